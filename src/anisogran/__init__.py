@@ -1,0 +1,45 @@
+"""anisogran: from particle simulations to continuum theory for granular matter.
+
+This is the front door: the names that a user types. Each is resolved when it is first used, so that `import anisogran` loads nothing.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_ROOMS = {"dem": "dem", "models": "models", "fit": "fitting", "continuum": "continuum", "glossary": "glossary", "tensors": "tensors"}
+
+_NAMES = {
+    "InputError": "outcome",
+    "NotConverged": "outcome",
+    "RunFailed": "outcome",
+    "Status": "outcome",
+    "Linear": "dem",
+    "Luding": "dem",
+    "Friction": "dem",
+    "Snapshot": "snapshot",
+    "average": "averaging",
+    "RingFlow": "continuum",
+    "Biaxial": "experiments",
+    "RingShear": "experiments",
+    "SimpleShear": "experiments",
+    "open": "files",
+    "compare": "comparison",
+}
+
+__all__ = sorted([*_ROOMS, *_NAMES])  # noqa: PLE0605
+
+
+def __getattr__(name):
+    if name in _ROOMS:
+        value = import_module(f"{__name__}.{_ROOMS[name]}")
+    elif name in _NAMES:
+        value = getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)
+    else:
+        raise AttributeError(f"module 'anisogran' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,8 @@
+"""The ring shear cell as a continuum; the only room that uses the finite element library scikit-fem."""
+
+from anisogran.continuum.exact import local_mu_i, newtonian_couette
+from anisogran.continuum.flow import Flow, Profile
+from anisogran.continuum.laws import LocalMuI, Nonlocal
+from anisogran.continuum.ring import RingFlow
+
+__all__ = ["Flow", "LocalMuI", "Nonlocal", "Profile", "RingFlow", "local_mu_i", "newtonian_couette"]

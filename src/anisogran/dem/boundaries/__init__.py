@@ -1,0 +1,32 @@
+"""The boundaries, one file each, and the functions that the kernels specialise by the type of the boundary's state.
+
+A boundary gives: `advance` (one step of its own motion); if it has walls, `touch` (geometry of one wall contact); and, if periodic, `lattice` and
+`settle` (what is done before a new neighbour list).
+A new boundary is one new file and one line in each table.
+"""
+
+from anisogran.dem.boundaries import box, open, periodic, ring
+from anisogran.dem.boundaries.box import Box
+from anisogran.dem.boundaries.motion import Cosine, Fixed, Pressure
+from anisogran.dem.boundaries.open import Open
+from anisogran.dem.boundaries.periodic import Periodic
+from anisogran.dem.boundaries.ring import Ring
+from anisogran.dem.kernel import specialised
+
+_ROOMS = {open.OpenState: open, box.BoxState: box, ring.RingState: ring, periodic.PeriodicState: periodic}
+
+
+def _no_lattice(boundary):
+    return None
+
+
+def _nothing_to_settle(boundary, body):
+    return None
+
+
+touch = specialised({state: room.touch for state, room in _ROOMS.items() if hasattr(room, "touch")})
+advance = specialised({state: room.advance for state, room in _ROOMS.items()})
+lattice = specialised({state: getattr(room, "lattice", _no_lattice) for state, room in _ROOMS.items()})
+settle = specialised({state: getattr(room, "settle", _nothing_to_settle) for state, room in _ROOMS.items()})
+
+__all__ = ["Box", "Cosine", "Fixed", "Open", "Periodic", "Pressure", "Ring", "advance", "lattice", "settle", "touch"]

@@ -1,0 +1,65 @@
+"""What the user says about the grains: a checked record of arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anisogran.outcome import InputError, checked
+
+
+def _array(name, value, shape):
+    """A fresh float64 array of that shape; InputError names the first entry that is not finite."""
+    try:
+        array = np.array(np.broadcast_to(np.asarray(value, dtype=float), shape))
+    except (TypeError, ValueError):
+        raise InputError(f"Grains: {name} of shape {np.shape(value)} does not fit {shape}") from None
+    bad = np.flatnonzero(~np.isfinite(array).reshape(shape[0], -1).all(axis=1))
+    if bad.size:
+        raise InputError(f"Grains: {name}[{bad[0]}] = {array[bad[0]]} is not finite")
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Grains:
+    """Discs in the plane: position (N, 2) in m, radius (N,) in m; mass is that of a sphere, 4/3 pi density radius^3, unless given.
+
+    density in kg/m3 (or `mass` (N,) in kg); velocity (N, 2) in m/s and spin (N,) in 1/s, default at rest; the moment of inertia is
+    inertia_factor * mass * radius^2 (0.4 for a sphere). The last `driven` grains belong to a wall and move only with it.
+    Raises InputError naming the first bad grain.
+    """
+
+    position: np.ndarray
+    radius: np.ndarray
+    density: float = 2000.0
+    velocity: np.ndarray | None = None
+    spin: np.ndarray | None = None
+    inertia_factor: float = 0.4
+    mass: np.ndarray | None = None
+    driven: int = 0
+
+    def __post_init__(self):
+        shape = np.shape(self.position)
+        if len(shape) != 2 or shape[1] != 2 or shape[0] == 0:
+            raise InputError(f"Grains: position has shape {shape}; it must be (N, 2) with N > 0")
+        n = shape[0]
+        radius = _array("radius", self.radius, (n,))
+        mass = 4.0 / 3.0 * np.pi * checked("Grains", "density", self.density, above=0, unit="kg/m3") * radius**3
+        checked("Grains", "inertia_factor", self.inertia_factor, above=0, at_most=1)
+        values = {
+            "position": _array("position", self.position, (n, 2)),
+            "radius": radius,
+            "mass": mass if self.mass is None else _array("mass", self.mass, (n,)),
+            "velocity": _array("velocity", 0.0 if self.velocity is None else self.velocity, (n, 2)),
+            "spin": _array("spin", 0.0 if self.spin is None else self.spin, (n,)),
+        }
+        for name in ("radius", "mass"):
+            bad = np.flatnonzero(values[name] <= 0)
+            if bad.size:
+                raise InputError(f"Grains: {name}[{bad[0]}] = {values[name][bad[0]]:g} must be above 0")
+        if not 0 <= self.driven <= n:
+            raise InputError(f"Grains: driven = {self.driven} must be between 0 and the number of grains {n}")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __len__(self):
+        return len(self.radius)

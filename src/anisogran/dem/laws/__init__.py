@@ -1,0 +1,17 @@
+"""The contact effects: one file each, and the two lists that the kernels and the general tests run over.
+
+A new normal law is one new file and one line in NORMAL_LAWS.
+"""
+
+from anisogran.dem.kernel import specialised
+from anisogran.dem.laws import friction, linear, luding
+from anisogran.dem.laws.friction import Friction
+from anisogran.dem.laws.linear import Linear
+from anisogran.dem.laws.luding import Luding
+
+NORMAL_LAWS = {Linear: linear, Luding: luding}
+
+normal_force = specialised({linear.LinearParameters: linear.force, luding.LudingParameters: luding.force})
+tangential_force = specialised({friction.FrictionParameters: friction.force})
+
+__all__ = ["NORMAL_LAWS", "Friction", "Linear", "Luding", "normal_force", "tangential_force"]

@@ -1,0 +1,48 @@
+"""Linear spring and dashpot: the normal force k overlap - g rate (Cundall & Strack, Geotechnique 29, 47, 1979)."""
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+from anisogran.outcome import checked
+
+
+class LinearParameters(NamedTuple):
+    """What the kernel is compiled for."""
+
+    stiffness: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Linear normal contact: stiffness > 0 in N/m, damping >= 0 in kg/s. Raises InputError for values out of bounds.
+
+    The dashpot acts as long as the overlap is positive and may pull at the end, so that the restitution coefficient has its closed
+    form exp(-damping t_c / (2 m12)).
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    remembers: ClassVar[bool] = False  # the law needs no largest overlap
+
+    def __post_init__(self):
+        checked("Linear", "stiffness", self.stiffness, above=0, unit="N/m")
+        checked("Linear", "damping", self.damping, at_least=0, unit="kg/s")
+
+    @property
+    def stiffest(self):
+        """The largest stiffness of any branch in N/m; it sets the time step."""
+        return float(self.stiffness)
+
+    def parameters(self):
+        """The floats for the kernel."""
+        return LinearParameters(float(self.stiffness), float(self.damping))
+
+
+def force(law, overlap, rate, largest):
+    """Normal force (repulsion positive), the force that bounds friction, and the largest overlap (unused here).
+
+    `rate` is the speed of separation. The Coulomb reference is the whole normal force, dashpot included.
+    """
+    total = law.stiffness * overlap - law.damping * rate
+    return total, abs(total), largest

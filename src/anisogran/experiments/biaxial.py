@@ -1,0 +1,153 @@
+"""The lecture's biaxial box: isotropic preparation, then a strain-controlled top against a side wall under constant pressure.
+
+The top follows z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/duration)). Walls are smooth. The sample starts from a random loose packing
+without friction, is pressed to equilibrium under the pressure on both movable walls, and only then friction is switched on and loading
+begins; no background damping acts while loading.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from anisogran.averaging import average_box
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation, collision_time
+from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.experiments.equilibrium import relax
+from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
+from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.outcome import Status
+
+LOOSE = 0.45  # area fraction of the random start
+STEP_SHARE = 1 / 20  # of the shortest collision time: quasi-static, restitution to about 1 %
+
+
+class Biaxial(Experiment):
+    """Biaxial compression of discs at constant side pressure. Units: m, kg, s; pressure in N/m; mass of spheres.
+
+    Radii are uniform with the given mean and ratio of largest to smallest; `strain` is the vertical strain at the end as
+    ln(z0/z), reached after `duration` s.
+    """
+
+    pressure: float = Field(100.0, gt=0, description="side pressure, N/m")
+    contact: Linear | Luding = Luding(k1=5e4, k2=1e5, kc=0.0, damping=0.1)
+    friction: Friction | None = None
+    grains: int = Field(1950, ge=20, le=10_000_000)
+    mean_radius: float = Field(1e-3, gt=0, description="m")
+    size_ratio: float = Field(3.0, ge=1, le=20)
+    density: float = Field(2000.0, gt=0, description="kg/m3")
+    strain: float = Field(0.1, gt=0, lt=1)
+    duration: float = Field(1.0, gt=0, description="s")
+    samples: int = Field(200, ge=10)
+    seed: int = Field(0, ge=0)
+
+    def run(self, progress=None):
+        """The Run: series over time, snapshots "start", "peak" and "end". Raises RunFailed if preparation finds no equilibrium."""
+        watch = Watch(progress)
+        prepared = self.prepare(watch)
+        return self.load(prepared, watch)
+
+    def prepare(self, watch):
+        """A Simulation in isotropic equilibrium under the pressure, frictionless."""
+        rng = np.random.default_rng(self.seed)
+        radius = uniform_radii(self.grains, self.mean_radius, self.size_ratio, rng)
+        side = math.sqrt(np.sum(np.pi * radius**2) / LOOSE)
+
+        def inside(points, r):
+            return np.all((points > r) & (points < side - r), axis=1)
+
+        position = random_positions(radius, lambda rng, count: rng.uniform(0, side, (count, 2)), inside, rng)
+        grains = Grains(position, radius, density=self.density)
+        mass = float(grains.mass.sum())
+        shortest = collision_time(self.contact, grains.mass)
+        # walls come in at I about 2e-3; the dashpot alone sets their speed, since force and mass are far from balance until then
+        speed = 2e-3 * side / math.sqrt(grains.mass.mean() / self.pressure)
+        wall = Pressure(self.pressure, mass=0.05 * mass, damping=self.pressure * side / speed)
+        drag = float(grains.mass.mean()) / (50 * shortest)
+        simulation = Simulation(
+            grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=STEP_SHARE * shortest
+        )
+
+        def stress_error():
+            _, right, _, top = simulation.walls.position
+            stress = simulation.walls.force[1] / top, simulation.walls.force[3] / right
+            return max(abs(s / self.pressure - 1) for s in stress)
+
+        closing = int(0.25 * side / speed / simulation.dt)
+        for _ in range(10):
+            watch.run(simulation, closing // 10)
+        relax(simulation, watch, self.contact.stiffest, stress_error, chunk=max(1000, closing // 20))
+        watch.progress(0.1)
+        return simulation
+
+    def load(self, prepared, watch):
+        """Compresses the prepared sample and records it."""
+        _, width, _, height = prepared.walls.position
+        lowest = height * math.exp(-self.strain)
+        # the side wall lags its pressure by damping * speed: half a per cent at the fastest moment
+        fastest = width * self.strain * 0.5 * math.pi / self.duration
+        side = Pressure(self.pressure, mass=0.01 * float(prepared.grains.mass.sum()), damping=0.005 * self.pressure * height / fastest)
+        box = Box(width, height, right=side, top=Cosine(height, lowest, self.duration))
+        simulation = prepared.next_stage(boundary=box, friction=self.friction, drag=None)
+        steps = np.linspace(0, math.ceil(self.duration / simulation.dt), self.samples + 1).astype(int)
+        rows, snapshots, peak = [], {}, -1.0
+        for k, step in enumerate(steps):
+            watch.run(simulation, step - simulation.step)
+            snapshot = simulation.snapshot()
+            row = self.measure(simulation, snapshot, width, height)
+            rows.append(row)
+            if k == 0:
+                snapshots["start"] = snapshot
+            if row["s_D"] > peak:
+                peak, snapshots["peak"] = row["s_D"], snapshot
+            watch.progress(0.1 + 0.9 * k / self.samples)
+        snapshots["end"] = snapshot
+        time = ("time", [row.pop("time") for row in rows], attributes("time"))
+        series = xr.Dataset(
+            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
+            coords={"time": time},
+            attrs={"conventions": CONVENTIONS, "experiment": "biaxial"},
+        )
+        return Run(self, series, None, snapshots, self.judge(series, simulation), provenance(self, watch, simulation))
+
+    def measure(self, simulation, snapshot, width, height):
+        """One row of the series."""
+        least_contacts = 3 if self.friction is None else 2
+        box = average_box(snapshot, least_contacts=least_contacts)
+        _, x, _, z = simulation.walls.position
+        force = simulation.walls.force
+        eps_zz, eps_xx = math.log(height / z), math.log(width / x)
+        sigma_xx, sigma_zz = float(box.stress[0, 0]), float(box.stress[1, 1])
+        return {
+            "time": simulation.time,
+            "eps_zz": eps_zz,
+            "eps_xx": eps_xx,
+            "eps_V": 0.5 * (eps_zz + eps_xx),
+            "eps_D": 0.5 * (eps_zz - eps_xx),
+            "sigma_xx": sigma_xx,
+            "sigma_zz": sigma_zz,
+            "sigma_xx_wall": force[1] / z,
+            "sigma_zz_wall": force[3] / x,
+            "s_D": (sigma_zz - sigma_xx) / (sigma_zz + sigma_xx),
+            "area_fraction": float(box.area_fraction),
+            "fabric_trace": float(box.fabric_trace),
+            "fabric_deviator": 0.5 * float(box.fabric[1, 1] - box.fabric[0, 0]),
+            "anisotropy": 2.0 * float((box.fabric[1, 1] - box.fabric[0, 0]) / box.fabric_trace),
+            "coordination_number": float(box.coordination_number),
+            "kinetic_energy": simulation.kinetic_energy(),
+        }
+
+    def judge(self, series, simulation):
+        """Warnings a reader must see: pressure not held, flow not quasi-static, stale neighbour lists."""
+        status = Status()
+        held = float(abs(series.sigma_xx_wall / self.pressure - 1).median())
+        if held > 0.02:
+            status = status.warn(f"the side wall holds its pressure only to {held:.1%} (median)")
+        rate = self.strain * 0.5 * math.pi / self.duration
+        inertial = 2 * rate * math.sqrt(simulation.grains.mass.mean() / self.pressure)
+        if inertial > 1e-2:
+            status = status.warn(f"inertial number up to {inertial:.2g}: not quasi-static")
+        if simulation.counters["late_builds"]:
+            status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
+        return status

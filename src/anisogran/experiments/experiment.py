@@ -1,0 +1,77 @@
+"""What all experiments share: a checked record of what the user asked for, and the result of running it."""
+
+import platform
+import sys
+import time
+from dataclasses import dataclass, field
+from importlib.metadata import version
+
+import xarray as xr
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+import anisogran
+from anisogran.outcome import InputError, Status
+
+PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
+
+
+class Experiment(BaseModel):
+    """A frozen record: every field checked, unknown ones refused. Raises InputError with one line for the first thing that is wrong."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, **values):
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(str(part) for part in first["loc"])
+            raise InputError(f"{type(self).__name__}: {key} = {first['input']!r}: {first['msg']}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What an experiment left: the scene, time series, profiles (experiments with a field), snapshots by name, status and provenance."""
+
+    scene: Experiment
+    series: xr.Dataset
+    profiles: xr.Dataset | None = None
+    snapshots: dict = field(default_factory=dict)
+    status: Status = Status()
+    provenance: dict = field(default_factory=dict)
+
+
+class Watch:
+    """Counts the work of a run (grain-steps, seconds in the time loop) and tells a listener how far it is."""
+
+    def __init__(self, progress=None):
+        self.progress = progress or (lambda fraction: None)
+        self.seconds = 0.0
+        self.grain_steps = 0
+
+    def run(self, simulation, steps):
+        """Advances the simulation and counts; the first steps of a process include compilation, which is not counted as speed."""
+        clock, compiled = time.perf_counter(), self.grain_steps > 0
+        simulation.run(steps)
+        if compiled:
+            self.seconds += time.perf_counter() - clock
+        self.grain_steps += steps * len(simulation.grains) if compiled else 1
+
+
+def provenance(scene, watch, simulation):
+    """Where a result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""
+    active, absent = simulation.active_effects()
+    return {
+        "scene": scene.model_dump_json(),
+        "anisogran": anisogran.__version__,
+        "python": platform.python_version(),
+        "platform": sys.platform,
+        **{name: version(name) for name in PACKAGES},
+        "dt": simulation.dt,
+        "active_effects": "; ".join(active),
+        "absent_effects": ", ".join(absent),
+        **simulation.counters,
+        "grain_steps": watch.grain_steps,
+        "seconds": watch.seconds,
+        "particle_steps_per_s": watch.grain_steps / watch.seconds if watch.seconds else 0.0,
+    }

@@ -1,0 +1,161 @@
+"""The lecture's two-dimensional ring shear cell: a rough inner ring turns, the outer ring is pressed inwards as a radial piston.
+
+The inner ring is a wreath of discs of the mean diameter with gaps in which grains nest; without that roughness the grains slip, layer and
+roll. `inner_radius` is the circle through the tops of the wreath. The sample grows together from a random loose state without
+friction and with background damping; then friction is switched on, damping off, and the inner ring turns.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from anisogran.averaging import drift, mean_and_error, ring_densities, ring_profiles
+from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation, collision_time
+from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.experiments.equilibrium import relax
+from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
+from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.outcome import Status
+
+LOOSE = 0.45  # area fraction of the random start
+STEP_SHARE = 1 / 20  # of the shortest collision time
+SPACING = 1.5  # distance of the discs on the inner ring in mean diameters: their gap of d/2 holds a grain but lets none through
+
+
+class RingShear(Experiment):
+    """Ring shear cell of discs at constant outer pressure. Default units: mean diameter, outer pressure and density are 1.
+
+    radii and diameters in m, pressure in N/m, wall_speed in m/s, mass of spheres. The inner ring travels `travel` mean diameters in
+    all; `discard` of them are not averaged, and the rest is cut into blocks of `block` diameters for the error bars.
+    """
+
+    pressure: float = Field(1.0, gt=0, description="outer pressure, N/m")
+    contact: Linear | Luding = Linear(stiffness=1000.0, damping=4.0)
+    friction: Friction | None = Friction(stiffness=500.0, mu=0.44)
+    grains: int = Field(600, ge=50, le=10_000_000, description="free grains")
+    mean_diameter: float = Field(1.0, gt=0, description="m")
+    size_ratio: float = Field(2.0, ge=1, le=2.9)
+    density: float = Field(1.0, gt=0, description="kg/m3")
+    inner_radius: float = Field(6.0, gt=0, description="m")
+    wall_speed: float = Field(0.04, gt=0, description="m/s at the inner radius")
+    travel: float = Field(200.0, gt=0, description="mean diameters of wall travel")
+    discard: float = Field(40.0, ge=0, description="mean diameters of wall travel")
+    block: float = Field(20.0, gt=0, description="mean diameters of wall travel")
+    samples_per_diameter: int = Field(20, ge=1)
+    seed: int = Field(0, ge=0)
+
+    def run(self, progress=None):
+        """The Run: series over time, profiles over r with errors, snapshots "start" and "end". Raises RunFailed without equilibrium."""
+        watch = Watch(progress)
+        return self.shear(self.prepare(watch), watch)
+
+    def prepare(self, watch):
+        """A Simulation in equilibrium under the outer pressure, frictionless, with the inner ring at rest."""
+        rng = np.random.default_rng(self.seed)
+        d = self.mean_diameter
+        radius = uniform_radii(self.grains, 0.5 * d, self.size_ratio, rng)
+        centre_line = self.inner_radius - 0.5 * d
+        count = round(2 * math.pi * centre_line / (SPACING * d))
+        angle = 2 * math.pi * np.arange(count) / count
+        wreath = centre_line * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        outer = math.sqrt(self.inner_radius**2 + np.sum(radius**2) / LOOSE)
+
+        def draw(rng, number):
+            r = np.sqrt(rng.uniform(self.inner_radius**2, outer**2, number))
+            phi = rng.uniform(0, 2 * math.pi, number)
+            return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=1)
+
+        def inside(points, r):
+            distance = np.hypot(*points.T)
+            return (distance > self.inner_radius + r) & (distance < outer - r)
+
+        position = random_positions(radius, draw, inside, rng, wreath, np.full(count, 0.5 * d))
+        grains = Grains(
+            np.concatenate([position, wreath]), np.concatenate([radius, np.full(count, 0.5 * d)]), density=self.density, driven=count
+        )
+        mass = float(grains.mass[: self.grains].sum())
+        shortest = collision_time(self.contact, grains.mass[: self.grains])
+        piston = 0.2 * mass
+        # close to critical for the piston on the sample, whose stiffness against the radius is about 2 pi k
+        damping = 2 * math.sqrt(2 * math.pi * self.contact.stiffest * piston)
+        boundary = Ring(outer, rim=Pressure(self.pressure, mass=piston, damping=damping))
+        drag = float(grains.mass.mean()) / (50 * shortest)
+        simulation = Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=STEP_SHARE * shortest)
+
+        def stress_error():
+            length = 2 * math.pi * simulation.walls.position[0]
+            return abs(simulation.walls.force[0] / (self.pressure * length) - 1)
+
+        relax(simulation, watch, self.contact.stiffest, stress_error, chunk=5000)
+        watch.progress(0.05)
+        return simulation
+
+    def shear(self, prepared, watch):
+        """Turns the inner ring and averages."""
+        d = self.mean_diameter
+        outer = float(prepared.walls.position[0])
+        boundary = Ring(outer, rim=prepared.boundary.rim, omega=self.wall_speed / self.inner_radius)
+        simulation = prepared.next_stage(boundary=boundary, friction=self.friction, wall_friction=self.friction, drag=None)
+        edges = self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1)
+        between = max(1, round(d / self.wall_speed / self.samples_per_diameter / simulation.dt))
+        samples = round(self.travel * self.samples_per_diameter)
+        a_block = round(self.block * self.samples_per_diameter)
+        discarded = round(self.discard * self.samples_per_diameter)
+        rows, blocks, sums = [], [], []
+        snapshots = {"start": simulation.snapshot()}
+        for k in range(1, samples + 1):
+            watch.run(simulation, between)
+            snapshot = simulation.snapshot()
+            rows.append(self.measure(simulation))
+            if k > discarded:
+                sums.append(ring_densities(snapshot, edges))
+            if len(sums) == a_block:
+                blocks.append(ring_profiles({name: np.mean([s[name] for s in sums], axis=0) for name in sums[0]}, edges))
+                sums = []
+            watch.progress(0.05 + 0.95 * k / samples)
+        snapshots["end"] = snapshot
+        blocks = xr.concat(blocks, "block")
+        profiles = mean_and_error(blocks)
+        profiles = profiles.assign_coords(depth=("r", (profiles.r.values - self.inner_radius) / d, attributes("depth")))
+        time = ("time", [row.pop("time") for row in rows], attributes("time"))
+        series = xr.Dataset(
+            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
+            coords={"time": time},
+            attrs={"conventions": CONVENTIONS, "experiment": "ring_shear"},
+        )
+        status = self.judge(blocks, series, simulation)
+        return Run(self, series, profiles, snapshots, status, provenance(self, watch, simulation))
+
+    def measure(self, simulation):
+        """One row of the series: torque on the inner ring from the forces on its discs, outer radius and pressure."""
+        ring = slice(self.grains, None)
+        x, y = simulation.position[ring].T
+        fx, fy = simulation.net_force[ring].T
+        torque = float(np.sum(x * fy - y * fx) + simulation.torque[ring].sum())
+        pressing = float(np.sum(-(x * fx + y * fy) / np.hypot(x, y)))
+        length = 2 * math.pi * self.inner_radius
+        outer = float(simulation.walls.position[0])
+        return {
+            "time": simulation.time,
+            "wall_shear_stress": -torque / (self.inner_radius * length),
+            "wall_pressure": pressing / length,
+            "outer_radius": outer,
+            "outer_pressure": float(simulation.walls.force[0]) / (2 * math.pi * outer),
+            "outer_shear_stress": float(simulation.walls.traction[0]) / (2 * math.pi * outer),
+            "kinetic_energy": simulation.kinetic_energy(),
+        }
+
+    def judge(self, blocks, series, simulation):
+        """Warnings a reader must see: too few blocks, drift, stale neighbour lists."""
+        status = Status()
+        if blocks.sizes["block"] < 5:
+            status = status.warn(f"only {blocks.sizes['block']} blocks: the error bars are rough")
+        else:
+            moved = drift(blocks.v_phi.isel(r=1))
+            if abs(moved) > 3:
+                status = status.warn(f"not steady: the velocity in the second ring drifts by {moved:.1f} standard errors")
+        if simulation.counters["late_builds"]:
+            status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
+        return status
