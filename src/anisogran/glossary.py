@@ -30,10 +30,12 @@ GLOSSARY = {
     "eps_xx": Quantity(r"\epsilon_{xx}", "1", "horizontal strain ln(x0/x), compression positive"),
     "eps_V": Quantity(r"\epsilon_V", "1", "volumetric strain (eps_zz + eps_xx)/2, half of the trace; negative is dilation"),
     "eps_D": Quantity(r"\epsilon_D", "1", "deviatoric strain (eps_zz - eps_xx)/2"),
+    "strain": Quantity(r"\gamma", "1", "shear strain of the cell, rate times time"),
     # stress
     "stress": Quantity(r"\sigma", "N/m", "stress, compression positive, contact and fluctuation part, momentum flux [force, branch]"),
     "sigma_xx": Quantity(r"\sigma_{xx}", "N/m", "horizontal stress, compression positive"),
     "sigma_zz": Quantity(r"\sigma_{zz}", "N/m", "vertical stress, compression positive"),
+    "sigma_yy": Quantity(r"\sigma_{yy}", "N/m", "stress along the velocity gradient, compression positive"),
     "sigma_xx_wall": Quantity(r"\sigma_{xx}^w", "N/m", "horizontal stress from the force on the side wall over its height"),
     "sigma_zz_wall": Quantity(r"\sigma_{zz}^w", "N/m", "vertical stress from the force on the top wall over its width"),
     "pressure": Quantity("p", "N/m", "half the trace of the stress"),

@@ -181,9 +181,10 @@ class Simulation:
     def next_stage(self, **changes):
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.
 
-        Contact memory (largest overlap, tangential spring) is kept where both stages have the effect.
+        Contact memory (largest overlap, tangential spring) is kept where both stages have the effect. `velocity` may be given anew.
         """
-        grains = replace(self.grains, position=self.position, velocity=self.velocity, spin=self.spin, mass=self.grains.mass)
+        velocity = changes.pop("velocity", self.velocity)
+        grains = replace(self.grains, position=self.position, velocity=velocity, spin=self.spin, mass=self.grains.mass)
         arguments = {**self.effects, "boundary": self.boundary, "dt": self.dt, "skin": self._state.skin, **changes}
         return Simulation(grains, predecessor=self, **arguments)
 

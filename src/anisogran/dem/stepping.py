@@ -82,20 +82,27 @@ def turn(spin, torque, inverse_inertia, movable, before, after):
 
 
 @kernel
-def farthest_move(body, cell):
-    """Largest displacement since the list was built (non-affine in a periodic cell), and the first grain that is nowhere (or -1)."""
+def farthest_move(body, cell, ahead):
+    """How far the grains may have moved at most, `ahead` s from now, since the list was built; and the first that is nowhere (or -1).
+
+    In a periodic cell this is the non-affine motion.
+    """
     farthest = 0.0
+    fastest = 0.0
     for i in range(body.x.size):
         dx = body.x[i] - body.built_x[i]
         dy = body.y[i] - body.built_y[i]
+        du = body.vx[i]
         if cell is not None:
             dx -= cell.strain * body.built_y[i]
             dy -= (cell.stretch - 1.0) * body.built_y[i]
+            du -= cell.shear_speed * body.y[i] / cell.height
         square = dx * dx + dy * dy
         if not square < math.inf:
             return square, i
         farthest = max(farthest, square)
-    return math.sqrt(farthest), -1
+        fastest = max(fastest, du * du + body.vy[i] ** 2)
+    return math.sqrt(farthest) + ahead * math.sqrt(fastest), -1
 
 
 @kernel
@@ -163,17 +170,18 @@ def run_steps(
     code = DONE
     for _ in range(steps):
         if counters.step[0] % CHECK_EVERY == 0:
-            moved, counters.grain[0] = farthest_move(body, lattice(boundary))
+            moved, counters.grain[0] = farthest_move(body, lattice(boundary), CHECK_EVERY * dt)
             approach = 2.0 * moved + counters.travel[0]
             if counters.grain[0] >= 0:
                 code = NOT_FINITE
-            elif approach > 0.9 * skin:
+            elif approach > 0.95 * skin:
+                late = 2.0 * farthest_move(body, lattice(boundary), 0.0)[0] + counters.travel[0] > skin
                 # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
                 kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, 0.0, 0.0)
                 turn(spin, torque, inverse_inertia, movable, owed, 0.0)
                 owed = 0.0
                 code = rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters)
-                counters.late[0] += code == DONE and approach > skin
+                counters.late[0] += code == DONE and late
             if code != DONE:
                 break
         kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, half, dt)

@@ -3,5 +3,6 @@
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.experiment import Experiment, Run
 from anisogran.experiments.ring_shear import RingShear
+from anisogran.experiments.simple_shear import SimpleShear
 
-__all__ = ["Biaxial", "Experiment", "RingShear", "Run"]
+__all__ = ["Biaxial", "Experiment", "RingShear", "Run", "SimpleShear"]

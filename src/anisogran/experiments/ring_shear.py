@@ -1,11 +1,13 @@
 """The lecture's two-dimensional ring shear cell: a rough inner ring turns, the outer ring is pressed inwards as a radial piston.
 
-The inner ring is a wreath of discs of the mean diameter with gaps in which grains nest; without that roughness the grains slip, layer and
-roll. `inner_radius` is the circle through the tops of the wreath. The sample grows together from a random loose state without
-friction and with background damping; then friction is switched on, damping off, and the inner ring turns.
+Both rings are wreaths of discs of the mean diameter with gaps in which grains nest; without that roughness the grains layer, roll and
+slip, at the outer ring too, where the whole sample then creeps around. The radii of the cell are those of the circles through the tops
+of the wreaths. The sample is pressed together from a random loose state without friction and with background damping; then friction
+is switched on, damping off, and the inner ring turns.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -20,8 +22,16 @@ from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import Status
 
 LOOSE = 0.45  # area fraction of the random start
+PRESSED = 0.82  # about that under pressure; it sets how many discs the outer ring carries
 STEP_SHARE = 1 / 20  # of the shortest collision time
-SPACING = 1.5  # distance of the discs on the inner ring in mean diameters: their gap of d/2 holds a grain but lets none through
+SPACING = 1.5  # distance of the discs on a ring in mean diameters: their gap of d/2 holds a grain but lets none through
+
+
+def wreath(radius, diameter):
+    """Centres (n, 2) of discs on a circle, SPACING diameters apart."""
+    count = round(2 * math.pi * radius / (SPACING * diameter))
+    angle = 2 * math.pi * np.arange(count) / count
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 class RingShear(Experiment):
@@ -56,11 +66,12 @@ class RingShear(Experiment):
         rng = np.random.default_rng(self.seed)
         d = self.mean_diameter
         radius = uniform_radii(self.grains, 0.5 * d, self.size_ratio, rng)
-        centre_line = self.inner_radius - 0.5 * d
-        count = round(2 * math.pi * centre_line / (SPACING * d))
-        angle = 2 * math.pi * np.arange(count) / count
-        wreath = centre_line * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         outer = math.sqrt(self.inner_radius**2 + np.sum(radius**2) / LOOSE)
+        inner_ring = wreath(self.inner_radius - 0.5 * d, d)
+        # as many discs as fit the compressed cell: they come closer together as the ring is pressed inwards
+        pressed = math.sqrt(self.inner_radius**2 + np.sum(radius**2) / PRESSED)
+        outer_ring = wreath(pressed + 0.5 * d, d)
+        outer_ring *= (outer + 0.5 * d) / (pressed + 0.5 * d)
 
         def draw(rng, number):
             r = np.sqrt(rng.uniform(self.inner_radius**2, outer**2, number))
@@ -71,22 +82,26 @@ class RingShear(Experiment):
             distance = np.hypot(*points.T)
             return (distance > self.inner_radius + r) & (distance < outer - r)
 
-        position = random_positions(radius, draw, inside, rng, wreath, np.full(count, 0.5 * d))
+        rings = np.concatenate([inner_ring, outer_ring])
+        position = random_positions(radius, draw, inside, rng)
         grains = Grains(
-            np.concatenate([position, wreath]), np.concatenate([radius, np.full(count, 0.5 * d)]), density=self.density, driven=count
+            np.concatenate([position, rings]),
+            np.concatenate([radius, np.full(len(rings), 0.5 * d)]),
+            density=self.density,
+            driven=len(rings),
         )
         mass = float(grains.mass[: self.grains].sum())
         shortest = collision_time(self.contact, grains.mass[: self.grains])
         piston = 0.2 * mass
         # close to critical for the piston on the sample, whose stiffness against the radius is about 2 pi k
         damping = 2 * math.sqrt(2 * math.pi * self.contact.stiffest * piston)
-        boundary = Ring(outer, rim=Pressure(self.pressure, mass=piston, damping=damping))
+        # the smooth wall lies behind the centres of the wreath, where no grain comes
+        boundary = Ring(outer + 0.5 * d, rim=Pressure(self.pressure, mass=piston, damping=damping), inner=len(inner_ring))
         drag = float(grains.mass.mean()) / (50 * shortest)
         simulation = Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=STEP_SHARE * shortest)
 
         def stress_error():
-            length = 2 * math.pi * simulation.walls.position[0]
-            return abs(simulation.walls.force[0] / (self.pressure * length) - 1)
+            return abs(self.measure(simulation)["outer_pressure"] / self.pressure - 1)
 
         relax(simulation, watch, self.contact.stiffest, stress_error, chunk=5000)
         watch.progress(0.05)
@@ -95,8 +110,8 @@ class RingShear(Experiment):
     def shear(self, prepared, watch):
         """Turns the inner ring and averages."""
         d = self.mean_diameter
-        outer = float(prepared.walls.position[0])
-        boundary = Ring(outer, rim=prepared.boundary.rim, omega=self.wall_speed / self.inner_radius)
+        outer = self.outer_radius(prepared)
+        boundary = replace(prepared.boundary, radius=outer + 0.5 * d, omega=self.wall_speed / self.inner_radius)
         simulation = prepared.next_stage(boundary=boundary, friction=self.friction, wall_friction=self.friction, drag=None)
         edges = self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1)
         between = max(1, round(d / self.wall_speed / self.samples_per_diameter / simulation.dt))
@@ -128,22 +143,28 @@ class RingShear(Experiment):
         status = self.judge(blocks, series, simulation)
         return Run(self, series, profiles, snapshots, status, provenance(self, watch, simulation))
 
+    def outer_radius(self, simulation):
+        """Radius of the circle through the tops of the outer wreath."""
+        return float(simulation.walls.position[0]) - 0.5 * self.mean_diameter
+
     def measure(self, simulation):
-        """One row of the series: torque on the inner ring from the forces on its discs, outer radius and pressure."""
-        ring = slice(self.grains, None)
-        x, y = simulation.position[ring].T
-        fx, fy = simulation.net_force[ring].T
-        torque = float(np.sum(x * fy - y * fx) + simulation.torque[ring].sum())
-        pressing = float(np.sum(-(x * fx + y * fy) / np.hypot(x, y)))
-        length = 2 * math.pi * self.inner_radius
-        outer = float(simulation.walls.position[0])
+        """One row of the series, from the forces on the discs of both rings (and on the smooth wall behind the outer one)."""
+        x, y = simulation.position[self.grains :].T
+        fx, fy = simulation.net_force[self.grains :].T
+        distance = np.hypot(x, y)
+        radial = (x * fx + y * fy) / distance
+        torque = x * fy - y * fx + simulation.torque[self.grains :]
+        inner, outer = np.split(np.arange(len(x)), [simulation.boundary.inner])
+        walls, outer_radius = simulation.walls, self.outer_radius(simulation)
+        length = 2 * math.pi * np.array([self.inner_radius, outer_radius])
+        outer_torque = torque[outer].sum() + walls.traction[0] * walls.position[0]
         return {
             "time": simulation.time,
-            "wall_shear_stress": -torque / (self.inner_radius * length),
-            "wall_pressure": pressing / length,
-            "outer_radius": outer,
-            "outer_pressure": float(simulation.walls.force[0]) / (2 * math.pi * outer),
-            "outer_shear_stress": float(simulation.walls.traction[0]) / (2 * math.pi * outer),
+            "wall_shear_stress": float(-torque[inner].sum() / (self.inner_radius * length[0])),
+            "wall_pressure": float(-radial[inner].sum() / length[0]),
+            "outer_radius": outer_radius,
+            "outer_pressure": float(radial[outer].sum() + walls.force[0]) / (2 * math.pi * float(walls.position[0])),
+            "outer_shear_stress": float(outer_torque / (outer_radius * length[1])),
             "kinetic_energy": simulation.kinetic_energy(),
         }
 

@@ -1,6 +1,7 @@
-"""A ring shear cell: a rough inner ring of driven grains that turns, and a smooth outer ring that may breathe as a radial piston.
+"""A ring shear cell: an inner ring that turns, and an outer ring that may breathe as a radial piston; both may carry driven grains.
 
-The driven grains are the last ones of the simulation. They ride on the inner ring with its velocity and its spin.
+Driven grains are the last ones of the simulation. The first `inner` of them ride on the inner ring with its velocity and its spin, the
+others on the outer ring, moving radially with it. Behind the latter the outer ring is a smooth wall.
 """
 
 import math
@@ -22,25 +23,30 @@ class RingState(NamedTuple):
     traction: np.ndarray
     rim: Any  # motion of the outer radius
     omega: float  # angular velocity of the inner ring, 1/s
+    inner: int  # driven grains on the inner ring
 
 
 @dataclass(frozen=True)
 class Ring:
-    """Outer ring of `radius` (m) about the origin, moving as told; driven grains turn about the origin with `omega` (1/s)."""
+    """Outer ring of `radius` (m) about the origin, moving as told; of the driven grains, `inner` turn about the origin with omega (1/s)."""
 
     radius: float
     rim: Any = Fixed()
     omega: float = 0.0
+    inner: int = 0
     walls = 1
 
     def __post_init__(self):
         checked("Ring", "radius", self.radius, above=0, unit="m")
         checked("Ring", "omega", self.omega, unit="1/s")
+        checked("Ring", "inner", self.inner, at_least=0)
         if not hasattr(self.rim, "parameters"):
             raise InputError(f"Ring: rim = {self.rim!r} is no motion (Fixed, Cosine, Pressure)")
 
     def state(self):
-        return RingState(np.array([self.radius]), np.zeros(1), np.zeros(1), np.zeros(1), self.rim.parameters(), float(self.omega))
+        """What the kernel needs; the arrays change while it runs."""
+        rest = (np.zeros(1) for _ in range(3))
+        return RingState(np.array([self.radius]), *rest, self.rim.parameters(), float(self.omega), int(self.inner))
 
     def extent(self, state):
         """Lattice vectors (none) and the present area within the outer ring."""
@@ -58,10 +64,14 @@ def touch(boundary, wall, x, y, radius):
 
 
 def advance(boundary, body, spin, movable, reach, time, dt):
-    """Turns the driven grains by omega dt about the axis and moves the outer ring by one step; returns the way of the outer ring."""
+    """Turns the inner ring by omega dt about the axis and moves the outer ring by one step; returns the way of the outer ring.
+
+    The grains press on the outer ring directly and through the driven grains on it.
+    """
     cosine = math.cos(boundary.omega * dt)
     sine = math.sin(boundary.omega * dt)
-    for i in range(movable, body.x.size):
+    first_outer = movable + boundary.inner
+    for i in range(movable, first_outer):
         x = body.x[i]
         y = body.y[i]
         body.x[i] = cosine * x - sine * y
@@ -70,8 +80,20 @@ def advance(boundary, body, spin, movable, reach, time, dt):
         body.vy[i] = boundary.omega * body.x[i]
         if spin is not None:
             spin[i] = boundary.omega
+    force = boundary.force[0]
+    for i in range(first_outer, body.x.size):
+        force += (body.fx[i] * body.x[i] + body.fy[i] * body.y[i]) / math.sqrt(body.x[i] ** 2 + body.y[i] ** 2)
     radius = boundary.position[0]
     boundary.position[0], boundary.velocity[0] = move(
-        boundary.rim, radius, boundary.velocity[0], boundary.force[0], 2.0 * math.pi * radius, 1.0, time, dt
+        boundary.rim, radius, boundary.velocity[0], force, 2.0 * math.pi * radius, 1.0, time, dt
     )
-    return abs(boundary.position[0] - radius)
+    way = boundary.position[0] - radius
+    for i in range(first_outer, body.x.size):
+        inverse = 1.0 / math.sqrt(body.x[i] ** 2 + body.y[i] ** 2)
+        nx = body.x[i] * inverse
+        ny = body.y[i] * inverse
+        body.x[i] += way * nx
+        body.y[i] += way * ny
+        body.vx[i] = boundary.velocity[0] * nx
+        body.vy[i] = boundary.velocity[0] * ny
+    return abs(way)

@@ -1,0 +1,122 @@
+"""Homogeneous simple shear in a periodic cell: steady flow at one inertial number and given vertical stress.
+
+The cell is sheared by Lees-Edwards conditions and its height follows the vertical stress, so no wall disturbs the flow. The shear rate
+is chosen as I / sqrt(mean mass / pressure); the inertial number that results is measured with the mean stress.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from anisogran import tensors
+from anisogran.averaging import average_box, drift
+from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation, collision_time
+from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
+from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.outcome import Status
+
+LOOSE = 0.45  # area fraction of the random start
+DENSE = 0.84  # about that under pressure; the cell is as much too high at the start
+STEP_SHARE = 1 / 20  # of the shortest collision time
+
+
+class SimpleShear(Experiment):
+    """Simple shear of discs in a periodic cell under the vertical stress `pressure`. Default units as in the ring shear cell.
+
+    The cell is about square when pressed. `strain` is the whole shear strain; the first `discard` of it is not averaged.
+    """
+
+    pressure: float = Field(1.0, gt=0, description="vertical stress, N/m")
+    inertial_number: float = Field(0.01, gt=0, le=1)
+    contact: Linear | Luding = Linear(stiffness=1000.0, damping=4.0)
+    friction: Friction | None = Friction(stiffness=500.0, mu=0.44)
+    grains: int = Field(400, ge=50, le=10_000_000)
+    mean_diameter: float = Field(1.0, gt=0, description="m")
+    size_ratio: float = Field(2.0, ge=1, le=20)
+    density: float = Field(1.0, gt=0, description="kg/m3")
+    strain: float = Field(5.0, gt=0)
+    discard: float = Field(1.5, ge=0)
+    samples_per_strain: int = Field(50, ge=5)
+    seed: int = Field(0, ge=0)
+
+    def run(self, progress=None):
+        """The Run: series over time with strain, stress, s_D, stress_ratio, area_fraction, fabric. Raises RunFailed if it blows up."""
+        watch = Watch(progress)
+        return self.shear(self.prepare(watch), watch)
+
+    def prepare(self, watch):
+        """A Simulation pressed together in the periodic cell, frictionless and damped."""
+        rng = np.random.default_rng(self.seed)
+        radius = uniform_radii(self.grains, 0.5 * self.mean_diameter, self.size_ratio, rng)
+        width = math.sqrt(np.sum(np.pi * radius**2) / DENSE)
+        height = width * DENSE / LOOSE
+        period = np.array([width, height])
+
+        def anywhere(points, r):
+            return np.ones(len(points), bool)
+
+        position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
+        grains = Grains(position, radius, density=self.density)
+        shortest = collision_time(self.contact, grains.mass)
+        closing = 0.02 / math.sqrt(grains.mass.mean() / self.pressure)  # strain rate while nothing resists
+        cell = Periodic(width, height, pressure=self.pressure, viscosity=self.pressure / closing)
+        drag = float(grains.mass.mean()) / (50 * shortest)
+        simulation = Simulation(grains, self.contact, boundary=cell, drag=drag, dt=STEP_SHARE * shortest)
+        steps = int(1.5 * math.log(DENSE / LOOSE) / closing / simulation.dt)
+        for _ in range(10):
+            watch.run(simulation, steps // 10)
+        return simulation
+
+    def shear(self, prepared, watch):
+        """Shears the prepared sample and records it."""
+        width, height = prepared.walls.lattice[:2]
+        rate = self.inertial_number / math.sqrt(prepared.grains.mass.mean() / self.pressure)
+        cell = Periodic(width, height, shear_rate=rate, pressure=self.pressure, viscosity=prepared.boundary.viscosity)
+        position, velocity = prepared.position, prepared.velocity
+        velocity[:, 0] += rate * position[:, 1]
+        simulation = prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)
+        samples = round(self.strain * self.samples_per_strain)
+        between = max(1, round(1 / (rate * self.samples_per_strain * simulation.dt)))
+        rows = []
+        for k in range(1, samples + 1):
+            watch.run(simulation, between)
+            snapshot = simulation.snapshot()
+            rows.append(self.measure(simulation, snapshot, rate))
+            watch.progress(k / samples)
+        time = ("time", [row.pop("time") for row in rows], attributes("time"))
+        series = xr.Dataset(
+            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
+            coords={"time": time},
+            attrs={"conventions": CONVENTIONS, "experiment": "simple_shear"},
+        )
+        status = Status()
+        moved = drift(self.steady(series).area_fraction)
+        if simulation.counters["late_builds"]:
+            status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
+        series.attrs["drift_of_area_fraction"] = moved
+        return Run(self, series, None, {"end": snapshot}, status, provenance(self, watch, simulation))
+
+    def steady(self, series):
+        """The part of the series after the discarded strain."""
+        return series.isel(time=np.flatnonzero(series.strain.values > self.discard))
+
+    def measure(self, simulation, snapshot, rate):
+        """One row of the series; the shear is along x with the gradient along y, so stress_ratio = -sigma_xy/p is positive."""
+        box = average_box(snapshot, least_contacts=3 if self.friction is None else 2)
+        stress = box.stress.values
+        pressure = float(tensors.mean(stress))
+        return {
+            "time": simulation.time,
+            "strain": rate * simulation.time,
+            "pressure": pressure,
+            "sigma_yy": float(stress[1, 1]),
+            "stress_ratio": float(-0.5 * (stress[0, 1] + stress[1, 0]) / pressure),
+            "s_D": float(tensors.deviator_size(stress) / pressure),
+            "inertial_number": rate * math.sqrt(simulation.grains.mass.mean() / pressure),
+            "area_fraction": float(box.area_fraction),
+            "anisotropy": float(box.anisotropy),
+            "coordination_number": float(box.coordination_number),
+        }
