@@ -1,0 +1,67 @@
+"""What a fit returns."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import t as student
+
+from anisogran.fitting.gate import Verdict
+from anisogran.outcome import InputError
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """Values with honest errors, and a verdict that must be read: `if not result.verdict: print(result.verdict)`.
+
+    law           the fitted formula
+    values        name: best value, in the units of the data
+    errors        name: one standard error, correlated residuals included; nan if the data cannot determine the parameter
+    correlations  (name, name): correlation of the two estimates, nan without an error
+    verdict       truthy only if the fit is trustworthy; `.reasons`, `.remarks`
+    points        number of points used;  x_range  their first and last abscissa
+    dropped       number of points left out because they are not finite (or not positive, where a logarithm is taken)
+    cut           number of points left out on purpose, such as those after the peak
+    free          degrees of freedom in independent points, n/tau - p
+    residuals     "rms" and "largest" (units of y), "chi_square" (weighted sum of squares), "correlation_time" tau in points,
+                  "independent_points" n/tau, "runs_p" (probability of signs so ordered), "condition"
+    starts        the start values tried, one dict for each;  start  the one that led to the values
+    lmfit_version
+    """
+
+    law: str
+    values: dict
+    errors: dict
+    correlations: dict
+    verdict: Verdict
+    points: int
+    x_range: tuple
+    dropped: int
+    cut: int
+    free: float
+    residuals: dict
+    starts: tuple
+    start: dict
+    lmfit_version: str
+    _curve: Callable = field(repr=False, compare=False)
+
+    def predict(self, x):
+        """The fitted curve at x, same shape; outside `x_range` it is an extrapolation."""
+        return self._curve(np.asarray(x, dtype=float), **self.values)
+
+    def interval(self, name, level=0.95):
+        """(low, high) that covers the true value with this probability (Student's t with `free` degrees of freedom), or nan.
+
+        Raises InputError for an unknown name or a level outside (0, 1).
+        """
+        if name not in self.values or not 0.0 < level < 1.0:
+            raise InputError(f"interval: needs one of {', '.join(self.values)} and a level in (0, 1), got {name!r}, {level!r}")
+        if not np.isfinite(self.errors[name]):
+            return float("nan"), float("nan")
+        half = float(student.ppf(0.5 + 0.5 * level, self.free)) * self.errors[name]
+        return self.values[name] - half, self.values[name] + half
+
+    def __str__(self):
+        numbers = (f"{n} = {v:.5g} +- {self.errors[n]:.2g}" if np.isfinite(self.errors[n]) else f"{n} = {v:.5g} (not determined)"
+                   for n, v in self.values.items())  # fmt: skip
+        return f"{self.law}: {', '.join(numbers)}; {self.verdict}"
