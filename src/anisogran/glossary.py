@@ -33,6 +33,8 @@ GLOSSARY = {
     "strain": Quantity(r"\gamma", "1", "shear strain of the cell, rate times time"),
     # stress
     "stress": Quantity(r"\sigma", "N/m", "stress, compression positive, contact and fluctuation part, momentum flux [force, branch]"),
+    "stress_static": Quantity(r"\sigma^s", "N/m", "stress carried by contacts, compression positive"),
+    "stress_dynamic": Quantity(r"\sigma^d", "N/m", "stress of the velocity fluctuations relative to the local linear mean field"),
     "sigma_xx": Quantity(r"\sigma_{xx}", "N/m", "horizontal stress, compression positive"),
     "sigma_zz": Quantity(r"\sigma_{zz}", "N/m", "vertical stress, compression positive"),
     "sigma_yy": Quantity(r"\sigma_{yy}", "N/m", "stress along the velocity gradient, compression positive"),

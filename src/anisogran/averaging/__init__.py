@@ -1,12 +1,12 @@
 """The averages: from grains to fields, with the lecture's formalism. This room knows snapshots, never where they came from."""
 
 from anisogran.averaging.blocks import drift, mean_and_error
-from anisogran.averaging.box import average_box
+from anisogran.averaging.box import average_box, contact_network
 from anisogran.averaging.rings import ring_densities, ring_profiles
 from anisogran.averaging.weights import ring_weights
 from anisogran.outcome import InputError
 
-__all__ = ["average", "average_box", "drift", "mean_and_error", "ring_densities", "ring_profiles", "ring_weights"]
+__all__ = ["average", "average_box", "contact_network", "drift", "mean_and_error", "ring_densities", "ring_profiles", "ring_weights"]
 
 
 def average(snapshot, on="box", fields=None, edges=None, least_contacts=3):

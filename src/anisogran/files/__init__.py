@@ -1,0 +1,5 @@
+"""Files that other programs can read."""
+
+from anisogran.files.results import open, save_results
+
+__all__ = ["open", "save_results"]

@@ -1,0 +1,160 @@
+"""Pictures of runs, profiles and fits. The only room that imports matplotlib; every function returns a Figure and opens no window."""
+
+import numpy as np
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
+
+from anisogran.averaging.grain_sums import nearest_image
+from anisogran.glossary import label
+
+COLOURS = {"dem": "#1b4965", "fit": "#d1495b", "local": "#8d99ae", "nonlocal": "#d1495b", "exponential": "#edae49"}
+GRAIN = "#e9e4d8"
+WALL = "#9a9184"
+CHAIN = "#7a1f2b"
+
+
+def figure(columns, rows=1, width=4.4, height=3.5):
+    """A Figure with an array of axes, shape (rows, columns)."""
+    fig = Figure(figsize=(width * columns, height * rows), layout="constrained")
+    return fig, fig.subplots(rows, columns, squeeze=False)
+
+
+def draw_packing(axes, snapshot, title=""):
+    """Grains as discs and contact forces as lines between centres (or to the wall), as wide as the force is strong."""
+    diameter = 2 * snapshot.radius
+    for mask, colour in ((snapshot.free, GRAIN), (snapshot.fixed, WALL)):
+        if mask.any():
+            axes.add_collection(
+                EllipseCollection(
+                    diameter[mask], diameter[mask], np.zeros(mask.sum()), units="xy", offsets=snapshot.position[mask],
+                    transOffset=axes.transData, facecolors=colour, edgecolors="white", linewidths=0.2,
+                )
+            )  # fmt: skip
+    first, second = snapshot.pairs.T
+    begin = snapshot.position[first]
+    end = snapshot.point.copy()
+    inner = second >= 0
+    end[inner] = begin[inner] + nearest_image(snapshot, snapshot.position[second[inner]] - begin[inner])
+    strength = np.hypot(*snapshot.force.T)
+    strong = strength > 0.05 * strength.mean()
+    axes.add_collection(
+        LineCollection(
+            np.stack([begin, end], axis=1)[strong], linewidths=0.75 * strength[strong] / strength.mean(), colors=CHAIN, capstyle="round"
+        )
+    )
+    low, high = snapshot.position.min(axis=0) - diameter.max(), snapshot.position.max(axis=0) + diameter.max()
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", title=title)
+    axes.set_axis_off()
+
+
+def biaxial_curves(series, fits, element=None):
+    """Four pictures of a biaxial run: stresses, stress ratio with its fit, dilatancy, anisotropy with its fit.
+
+    `fits` maps "s_D" and "anisotropy" to FitResults over eps_D; `element` is an element test of the scalar law, drawn if given.
+    """
+    fig, ((stress, ratio), (volume, structure)) = figure(2, 2)
+    eps = series.eps_D.values
+    for name in ("sigma_zz", "sigma_xx"):
+        stress.plot(series.eps_zz, series[name], label=f"{label(name)} grains", lw=1.6)
+    stress.plot(series.eps_zz, series.sigma_zz_wall, "k:", lw=1.2, label="same from wall forces")
+    stress.plot(series.eps_zz, series.sigma_xx_wall, "k:", lw=1.2)
+    stress.set(xlabel=label("eps_zz"), ylabel="stress [N/m]", ylim=(0, None))
+    for axes, name in ((ratio, "s_D"), (structure, "anisotropy")):
+        axes.plot(eps, series[name], color=COLOURS["dem"], lw=1.2, label="DEM")
+        fit = fits[name]
+        x = np.linspace(*fit.x_range, 200)
+        axes.plot(x, fit.predict(x), color=COLOURS["fit"], lw=2, label="exponential fit" + ("" if fit.verdict else " (not trustworthy)"))
+        axes.axvline(fit.x_range[1], color="0.7", lw=0.8, ls="--")
+        axes.set(xlabel=label("eps_D") + " (half/half)", ylabel=label(name))
+    ratio.annotate("fit ends", (fits["s_D"].x_range[1], 0.02), xytext=(4, 0), textcoords="offset points", color="0.5", fontsize=8)
+    volume.plot(eps, series.eps_V, color=COLOURS["dem"], lw=1.6, label="DEM")
+    volume.axhline(0, color="0.7", lw=0.8)
+    volume.set(xlabel=label("eps_D") + " (half/half)", ylabel=label("eps_V") + " (half of the trace)")
+    if element is not None:
+        style = {"color": COLOURS["exponential"], "lw": 1.6, "label": "scalar law E, A, B"}
+        ratio.plot(element.eps_D, element.s_D, **style)
+        volume.plot(element.eps_D, element.eps_V, **style)
+    for axes in (stress, ratio, volume, structure):
+        axes.legend(fontsize=8, frameon=False)
+    return fig
+
+
+def packings(snapshots, titles, size=4.4):
+    """Force chains of several snapshots side by side."""
+    fig, axes = figure(len(snapshots), width=size, height=size)
+    for place, snapshot, title in zip(axes[0], snapshots, titles, strict=True):
+        draw_packing(place, snapshot, title)
+    return fig
+
+
+def friction_law(points, fit):
+    """mu(I) and area fraction against I of homogeneous shear, with the fitted law."""
+    fig, ((law, density),) = figure(2)
+    law.errorbar(points.inertial_number, points.stress_ratio, points.stress_ratio_error, fmt="o", ms=4, color=COLOURS["dem"], label="DEM, periodic shear")
+    x = np.geomspace(float(points.inertial_number.min()) / 2, float(points.inertial_number.max()) * 1.5, 100)
+    law.plot(x, fit.predict(x), color=COLOURS["fit"], label=r"$\mu_s + b\,I$")
+    density.errorbar(points.inertial_number, points.area_fraction, points.area_fraction_error, fmt="o", ms=4, color=COLOURS["dem"])
+    for axes, name in ((law, "stress_ratio"), (density, "area_fraction")):
+        axes.set(xscale="log", xlabel=label("inertial_number"), ylabel=label(name))
+    law.legend(fontsize=8, frameon=False)
+    return fig
+
+
+def velocity_comparison(profiles, comparisons, exponential, wall_speed):
+    """v_phi of the DEM with error bars beside continuum curves and the two-parameter exponential, linear and logarithmic."""
+    fig, axes = figure(2, width=4.8)
+    depth = profiles.depth.values
+    for place in axes[0]:
+        place.errorbar(
+            depth, profiles.v_phi / wall_speed, profiles.v_phi_error / wall_speed, fmt="o", ms=4, color=COLOURS["dem"], label="DEM", zorder=5
+        )
+        for comparison in comparisons:
+            place.plot(
+                depth, comparison.table.v_phi / wall_speed, color=COLOURS[comparison.name], marker=".", lw=1.5,
+                label=f"{comparison.name}, L2 = {comparison.l2:.2g}",
+            )  # fmt: skip
+        place.plot(depth, exponential / wall_speed, color=COLOURS["exponential"], ls="--", lw=1.2, label="exponential, 2 parameters")
+        place.set(xlabel=f"depth {label('depth')}", ylabel=r"$v_\phi/V$, mean of 1 d rings")
+    lowest = float((profiles.v_phi / wall_speed).where(profiles.v_phi > 0).min())
+    axes[0, 1].set(yscale="log", ylim=(0.3 * lowest, 1.5))
+    axes[0, 0].legend(fontsize=8, frameon=False)
+    return fig
+
+
+def ring_fields(profiles, pressure):
+    """Six radial profiles of the ring: density, rates, stress, fabric, spin, and what equilibrium asks of the stress."""
+    fig, ((density, rate, stress), (fabric, spin, balance)) = figure(3, 2, width=4.2, height=3.3)
+    depth, r = profiles.depth.values, profiles.r.values
+
+    def bars(axes, value, error, name, colour=None, scale=1.0):
+        axes.errorbar(depth, value / scale, error / scale, marker="o", ms=3, lw=1.2, capsize=2, label=name, color=colour)
+
+    def plain(axes, name, scale=1.0):
+        bars(axes, profiles[name].values, profiles[f"{name}_error"].values, label(name), scale=scale)
+
+    plain(density, "area_fraction")
+    density.set(ylabel=label("area_fraction"))
+    plain(rate, "inertial_number")
+    rate.set(yscale="log", ylabel=label("inertial_number"))
+    sigma, sigma_error = profiles.stress.values, profiles.stress_error.values
+    for (i, j), name in {(0, 0): r"$\sigma_{rr}$", (1, 1): r"$\sigma_{\phi\phi}$", (0, 1): r"$\sigma_{r\phi}$", (1, 0): r"$\sigma_{\phi r}$"}.items():
+        bars(stress, sigma[i, j], sigma_error[i, j], name, scale=pressure)
+    stress.set(ylabel="stress / outer pressure", ylim=(0, None))
+    plain(fabric, "fabric_trace")
+    bars(fabric, 4 * profiles.fabric_deviator.values, 4 * profiles.fabric_deviator_error.values, f"4 {label('fabric_deviator')}")
+    fabric.set(ylabel="fabric")
+    for name in ("spin", "continuum_spin", "eigen_rotation"):
+        plain(spin, name)
+    spin.axhline(0, color="0.7", lw=0.8)
+    spin.set(ylabel="rotation [1/s]")
+    torque = r**2 * 0.5 * (sigma[0, 1] + sigma[1, 0])
+    balance.plot(depth, torque / torque.mean(), "o-", ms=3, label=r"$r^2\sigma_{r\phi}$ / mean")
+    slope = np.diff(r * sigma[0, 0]) / np.diff(r)
+    balance.plot(0.5 * (depth[1:] + depth[:-1]), slope / pressure, "s-", ms=3, label=r"$d(r\sigma_{rr})/dr$ / p")
+    balance.plot(depth, sigma[1, 1] / pressure, "^-", ms=3, label=r"$\sigma_{\phi\phi}$ / p")
+    balance.set(ylabel="equilibrium", ylim=(0, None))
+    for axes in (density, rate, stress, fabric, spin, balance):
+        axes.set(xlabel=f"depth {label('depth')}")
+    for axes in (stress, fabric, spin, balance):
+        axes.legend(fontsize=8, frameon=False)
+    return fig
