@@ -1,0 +1,151 @@
+"""The command line. Heavy imports stand inside the commands, so that help is quick."""
+
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from anisogran.outcome import InputError, NotConverged, RunFailed
+
+OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, NOT_TRUSTWORTHY, INTERRUPTED = 0, 2, 3, 4, 5, 130
+
+app = typer.Typer(
+    help="From particle simulations to continuum theory for granular matter.", add_completion=False, no_args_is_help=True,
+    pretty_exceptions_enable=False, rich_markup_mode=None,
+)  # fmt: skip
+
+
+@app.callback()
+def anisogran():
+    """From particle simulations to continuum theory for granular matter."""
+
+
+@app.command()
+def demo(
+    out: Annotated[Path | None, typer.Option(help="Folder for the report; default: a new numbered folder.")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of every random number.", min=0)] = 1,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+    force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
+    quick: Annotated[bool, typer.Option(help="Tiny sizes: every stage runs, the numbers are rough.")] = False,
+):
+    """The main job: grains, averages, law, continuum, comparison; writes report.html and results.h5."""
+    clock = time.perf_counter()
+    folder = output_folder(out, "demo", force)
+    check_writable(json_file)
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description:24}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console) as bars:
+        tasks = [bars.add_task(name, total=1.0) for name in ("ring shear cell", "biaxial box, shear tests")]
+        rest = bars.add_task("law, continuum, report", total=1.0)
+
+        from anisogran.demo import DemoScene, run_demo, write_report
+
+        def show(fractions):
+            for task, fraction in zip(tasks, fractions, strict=True):
+                bars.update(task, completed=fraction)
+
+        findings = run_demo(DemoScene.small(seed) if quick else DemoScene(seed=seed), show)
+        show([1.0] * len(tasks))
+        bars.update(rest, completed=0.5)
+        findings.numbers["wall_s"] = time.perf_counter() - clock
+        write_report(findings, folder)
+        findings.numbers["wall_s"] = time.perf_counter() - clock
+        bars.update(rest, completed=1.0)
+    if json_file is not None:
+        write_json(json_file, findings.numbers)
+    report(findings, folder)
+
+
+def report(findings, folder):
+    """The findings in a few lines on the terminal."""
+    n = findings.numbers
+    print(f"friction angle   peak {n['friction_angle_peak_deg']:.1f} deg, final {n['friction_angle_final_deg']:.1f} deg (biaxial box)")
+    for name in ("s_D", "anisotropy"):
+        print(f"{name:16} {findings.law.fits[name]}")
+    print(f"{'mu(I)':16} {findings.friction}")
+    print(f"decay of v_phi   grains {n['decay_length_dem']:.3g} d, nonlocal continuum {n['decay_length_continuum']:.3g} d")
+    print(
+        f"L2 of v_phi      local {n['l2_local']:.3g}, nonlocal {n['l2_nonlocal']:.3g} (1 parameter fitted on this ring), "
+        f"exponential {n['l2_exponential']:.3g} (2 parameters), error bars of the grains {n['l2_noise']:.2g}"
+    )
+    for reason in findings.reasons:
+        print(f"warning: {reason}")
+    print(f"{folder / 'report.html'} ({n['wall_s']:.0f} s)")
+
+
+def output_folder(out, name, force):
+    """The folder to write to: `out`, or the first free of name-001, name-002, ...; made, empty (unless forced) and writable.
+
+    Raises InputError otherwise; nothing in it is touched.
+    """
+    try:
+        if out is None:
+            folder = next(p for k in range(1, 1000) if not (p := Path(f"{name}-{k:03d}")).exists())
+            folder.mkdir()
+        else:
+            folder = out
+            folder.mkdir(parents=True, exist_ok=True)
+            if any(folder.iterdir()) and not force:
+                raise InputError(f"--out {out}: the folder is not empty; choose another or add --force")
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"--out {out if out is not None else name + '-NNN'}: cannot be written ({error.strerror})") from None
+    return folder
+
+
+def check_writable(path):
+    """Raises InputError if the file cannot be made, before hours of work are lost on it. An existing file is left as it is."""
+    if path is None:
+        return
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"--json {path}: cannot be written ({error.strerror})") from None
+    if path.is_dir():
+        raise InputError(f"--json {path}: is a folder")
+
+
+def write_json(path, numbers):
+    """The numbers as JSON, replaced in one go; NaN, which JSON does not know, becomes null."""
+    plain = {key: None if isinstance(value, float) and value != value else value for key, value in numbers.items()}
+    temporary = Path(f"{path}.tmp")
+    temporary.write_text(json.dumps(plain, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    os.replace(temporary, path)
+
+
+def main(arguments=None):
+    """Runs the command line and leaves with its exit code; a user's mistake is one line on stderr, never a traceback."""
+    try:
+        code = app(args=arguments, prog_name="anisogran", standalone_mode=False)
+    except typer.Exit as end:
+        code = end.exit_code
+    except InputError as error:
+        code = complain(error, BAD_INPUT)
+    except RunFailed as error:
+        code = complain(error, RUN_FAILED)
+    except NotConverged as error:
+        code = complain(error, NOT_CONVERGED)
+    except KeyboardInterrupt:
+        code = complain("interrupted", INTERRUPTED)
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # typer's own errors: a wrong option, a value of the wrong type
+            raise
+        code = complain(error.format_message(), BAD_INPUT)
+    sys.exit(code or OK)
+
+
+def complain(error, code):
+    """One line on stderr; returns the exit code."""
+    print(f"anisogran: {' '.join(str(error).split())}", file=sys.stderr)
+    return code

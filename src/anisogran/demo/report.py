@@ -1,0 +1,165 @@
+"""The report of the demo: report.html for people, results.h5 for programs. Every number in it was computed by this run."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import anisogran
+from anisogran import plots
+from anisogran.demo.page import heading, number, page, paragraph, picture, table
+from anisogran.files import save_results
+from anisogran.glossary import CONVENTIONS
+
+
+def write_report(findings, folder):
+    """Writes report.html and results.h5 into the folder, each replaced only when it is complete."""
+    folder = Path(folder)
+    parts = [*summary(findings), *grains(findings), *law(findings), *ring(findings), *provenance(findings)]
+    temporary = folder / "report.html.tmp"
+    temporary.write_text(page("anisogran demo: from grains to the continuum and back", parts), encoding="utf-8")
+    os.replace(temporary, folder / "report.html")
+    save_results(folder / "results.h5", datasets(findings), {"numbers": str(findings.numbers), "seed": findings.scene.seed})
+
+
+def summary(findings):
+    n = findings.numbers
+    yield paragraph(
+        f"{n['grain_steps']:.3g} grain-steps in {n['grains_s']:.0f} s on two cores (ring: {n['particle_steps_per_s']:.3g} grain-steps/s). "
+        f"Seed {n['seed']}. Compression is positive; 2D invariants are half/half: eps_V = (e1+e2)/2, eps_D = (e1-e2)/2."
+    )
+    for reason in findings.reasons:
+        yield paragraph(reason, "warning")
+    yield table(
+        ["station", "quantity", "value"],
+        [
+            ["biaxial box", "peak stress ratio s_D, and mobilised friction angle",
+             f"{number(n['s_D_peak'])}, {n['friction_angle_peak_deg']:.1f} deg"],
+            ["biaxial box", "final stress ratio s_D, and angle", f"{number(n['s_D_final'])}, {n['friction_angle_final_deg']:.1f} deg"],
+            ["law", "s_max", (n["s_max"], n["s_max_err"])],
+            ["law", "beta_s (per half/half eps_D)", (n["beta_s"], n["beta_s_err"])],
+            ["law", "A_max (as a_2)", (n["A_max"], n["A_max_err"])],
+            ["law", "beta_F (per half/half eps_D)", (n["beta_F"], n["beta_F_err"])],
+            ["simple shear", "mu_s", (n["mu_s"], n["mu_s_err"])],
+            ["simple shear", "b", (n["b"], n["b_err"])],
+            ["ring", "decay length of v_phi in d: grains", (n["decay_length_dem"], n["decay_length_dem_err"])],
+            ["ring", "decay length of v_phi in d: nonlocal continuum", n["decay_length_continuum"]],
+            ["comparison", "relative L2 of v_phi: local mu(I)", n["l2_local"]],
+            ["comparison", "relative L2 of v_phi: nonlocal fluidity (amplitude fitted on this ring)", n["l2_nonlocal"]],
+            ["comparison", "relative L2 of v_phi: exponential with 2 fitted parameters", n["l2_exponential"]],
+            ["comparison", "the same measure of the DEM's error bars", n["l2_noise"]],
+        ],
+    )  # fmt: skip
+
+
+def grains(findings):
+    box, cell = findings.biaxial.snapshots, findings.ring.snapshots
+    series = findings.biaxial.series
+    at_peak = float(series.eps_zz[int(np.argmax(series.s_D.values))])
+    yield heading("Grains")
+    yield picture(
+        plots.packings(
+            [box["peak"], box["end"]],
+            [f"box, eps_zz = {at_peak:.1%} (largest s_D)", f"box, eps_zz = {float(series.eps_zz[-1]):.1%}"],
+        ),
+        "Force chains in the biaxial box: lines join the centres of touching grains, as wide as the force is strong.",
+    )
+    yield picture(
+        plots.packings([cell["end"]], ["ring shear cell, after the last turn"], size=6.5),
+        "Force chains in the ring shear cell. The inner ring of dark discs turns counter-clockwise, the outer one presses inwards.",
+    )
+
+
+def law(findings):
+    found, scene = findings.law, findings.biaxial.scene
+    yield heading("Constitutive law")
+    yield picture(
+        plots.biaxial_curves(findings.biaxial.series, found.fits, found.element),
+        f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.grains}, friction {scene.friction.mu:g}. Exponential laws "
+        "s = s_max - (s_max - s_0) exp(-beta eps_D), fitted up to the peak; the dashed line marks where the fit ends. "
+        f"Scalar law with the moduli of the response: {found.element_remark}.",
+    )
+    rows = []
+    for name, label in (("s_D", "stress ratio s_D"), ("anisotropy", "anisotropy a_2 of the fabric")):
+        fit = found.fits[name]
+        values = [(fit.values[key], fit.errors[key]) for key in ("s_0", "s_max", "beta")]
+        rows.append([label, *values, f"{fit.points}", str(fit.verdict)])
+    yield table(["evolution of", "start", "limit", "beta", "points", "verdict"], rows)
+    start, peak, response = found.moduli_fabric_start, found.moduli_fabric_peak, found.response
+    yield table(
+        ["modulus [N/m]", "fabric, start", "fabric, peak", "response", "beta_s s_max sigma_V"],
+        [
+            ["E", float(start.E), float(peak.E), response["E"], ""],
+            ["A", float(start.A), float(peak.A), response["A"], ""],
+            ["B", float(start.B), float(peak.B), response["B"], response["B_implied"]],
+            ["G", float(start.G), float(peak.G), "", ""],
+        ],
+    )
+    yield paragraph(
+        "Fabric: a network of the unloading stiffness k2 and of k_t that moves affinely, an upper bound. Response: B from the first "
+        "slope of sigma_D, E from the first contraction, A from the dilatancy where half of the stress ratio is mobilised "
+        f"({response['points_start']} and {response['points_half']} samples); loading follows the softer k1, and grains rearrange."
+    )
+    yield picture(
+        plots.friction_law(findings.shear, findings.friction),
+        f"Homogeneous simple shear in a periodic cell, {findings.shear.sizes['test']} runs: the friction law that the continuum gets. "
+        f"{findings.friction.verdict}.",
+    )
+
+
+def ring(findings):
+    run, n = findings.ring, findings.numbers
+    profiles, scene = run.profiles, run.scene
+    yield heading("Ring shear cell: grains and continuum")
+    yield picture(
+        plots.velocity_comparison(profiles, findings.comparisons, findings.exponential, scene.wall_speed),
+        f"Azimuthal velocity, averaged over the same rings of 1 d; DEM error bars from {profiles.attrs['blocks']} blocks of {scene.block:g} d "
+        "of wall travel. mu_s and b come from the homogeneous tests; the nonlocal amplitude "
+        f"{n['nonlocal_amplitude']:.3g} was fitted on this very ring.",
+    )
+    rows = [
+        [c.name, str(findings.flows[c.name].problem.law), c.l2, c.decay_length_continuum, c.stress_ratio_wall_continuum,
+         f"{findings.flows[c.name].iterations} in {findings.flows[c.name].seconds:.3f} s"]
+        for c in findings.comparisons
+    ]  # fmt: skip
+    reference = findings.comparisons[0]
+    rows.append(["grains (DEM)", "", reference.l2_noise, (n["decay_length_dem"], n["decay_length_dem_err"]), reference.stress_ratio_wall_dem, ""])
+    rows.append(["exponential", "2 parameters fitted on this ring", n["l2_exponential"], n["decay_length_dem"], "", ""])
+    yield table(["model", "law", "relative L2 of v_phi", "decay length [d]", "shear/normal stress at the inner ring", "iterations"], rows)
+    yield paragraph(
+        "The row of the grains gives what their own error bars amount to. The local law has no creep: beyond the radius where the "
+        "stress ratio falls to mu_s it stands still, so it must fail in a slow cell."
+    )
+    yield picture(
+        plots.ring_fields(profiles, scene.pressure),
+        f"Profiles of the grains. Equilibrium: the spread of r^2 sigma_rphi over the rings is {n['torque_residual']:.1%}; "
+        f"d(r sigma_rr)/dr differs from sigma_phiphi by {n['radial_residual']:.1%} of the pressure (rms; difference of neighbouring rings).",
+    )
+
+
+def provenance(findings):
+    yield heading("Where this comes from")
+    rows = []
+    for name, run in (("ring shear cell", findings.ring), ("biaxial box", findings.biaxial)):
+        for key, value in run.provenance.items():
+            rows.append([name, key, f"{value:.4g}" if isinstance(value, float) else str(value)])
+    yield table(["run", "key", "value"], rows)
+    yield paragraph(f"anisogran {anisogran.__version__}. Conventions: {CONVENTIONS}.")
+
+
+def datasets(findings):
+    """What results.h5 holds: groups of labelled datasets."""
+    groups = {
+        "biaxial/series": findings.biaxial.series,
+        "ring/series": findings.ring.series,
+        "ring/profiles": findings.ring.profiles,
+        "simple_shear/steady": findings.shear,
+    }
+    for comparison in findings.comparisons:
+        groups[f"comparison/{comparison.name}"] = comparison.table
+    plain = (str, int, float)
+    for name, run in (("biaxial", findings.biaxial), ("ring", findings.ring)):
+        scene = {key: value if isinstance(value, plain) else str(value) for key, value in run.provenance.items()}
+        groups[name] = xr.Dataset(attrs={**scene, "status": str(run.status)})
+    return groups
