@@ -48,10 +48,19 @@ def resolved(profiles, factor=3.0):
 
 
 def decay_length(profiles, v_phi):
-    """Decay length of a velocity on the DEM's resolved rings, in grain diameters; the FitResult of v = v_0 exp(-depth/length)."""
+    """The FitResult of v = amplitude exp(-depth/length) to a velocity on the DEM's resolved rings; length in grain diameters.
+
+    Each ring counts by the DEM's relative error there, so that continuum and grains are judged alike.
+    """
     used = resolved(profiles)
     errors = np.abs(v_phi[used]) * (profiles.v_phi_error / profiles.v_phi).values[used]
     return fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors)
+
+
+def decay_length_error(run):
+    """Standard error of the DEM's decay length in grain diameters: the same fit to every block of the run, and their scatter."""
+    lengths = [decay_length(run.profiles, v_phi).values["length"] for v_phi in np.abs(run.blocks.v_phi.transpose("block", "r").values)]
+    return float(np.std(lengths, ddof=1) / np.sqrt(len(lengths))) if len(lengths) > 1 else float("nan")
 
 
 def ring_flow(run, law):

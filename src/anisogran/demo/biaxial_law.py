@@ -1,8 +1,9 @@
 """The lecture's laws from one biaxial run: evolution of s_D and of the anisotropy, friction angles, and the moduli E, A, B.
 
 The moduli are given three times. From the fabric, for a network that moves affinely (an upper bound). From the response: in an isobaric
-biaxial test eps_V/eps_D = S (B - A)/(E - A) (scalar law with the softening factor S on both eps_D terms), so the measured start gives
-B/E, and the ratio where S = 1/2 gives A. And B once more as the fit implies it, B = beta_s s_max sigma_V.
+biaxial test eps_V/eps_D = S (B - A)/(E - A) (scalar law with the softening factor S on both eps_D terms), so the start, where A is still
+about 0, gives B and B/E. Later A only ever enters beside E, and one isobaric path cannot tell them apart: no A is read from it. And B
+once more as the fit implies it, B = beta_s s_max sigma_V.
 """
 
 from dataclasses import dataclass
@@ -66,41 +67,37 @@ def _slope(x, y):
 
 
 def moduli_from_response(series, fit):
-    """E, A, B in N/m as far as an isobaric path tells them; NaN, never a guess, where it does not. Also the points they stand on.
+    """E and B in N/m as far as an isobaric path tells them; NaN, never a guess, where it does not. Also the points they stand on.
 
-    B is d sigma_D/d eps_D and E = B / (d eps_V/d eps_D), both over the first eps_D <= 1/(4 beta_s), at A of about 0; A from the
-    dilatancy d eps_V/d eps_D over a window around the strain where S = 1/2.
+    B is d sigma_D/d eps_D and E = B / (d eps_V/d eps_D), both over the first eps_D <= 1/(4 beta_s), at A of about 0.
     """
     eps_D, eps_V = series.eps_D.values, series.eps_V.values
     sigma_D = 0.5 * (series.sigma_zz - series.sigma_xx).values
     beta = fit.values["beta"]
     start = eps_D <= 0.25 / beta
-    half = np.abs(eps_D - np.log(2.0) / beta) <= 0.25 / beta
-    found = {"E": np.nan, "A": np.nan, "B": np.nan, "points_start": int(start.sum()), "points_half": int(half.sum())}
     mean_stress = 0.5 * float((series.sigma_xx + series.sigma_zz).values[start].mean())
-    found["B_implied"] = fit.values["beta"] * fit.values["s_max"] * mean_stress
+    found = {"E": np.nan, "B": np.nan, "points": int(start.sum()), "B_implied": beta * fit.values["s_max"] * mean_stress}
     if start.sum() >= 4:
         found["B"] = _slope(eps_D[start], sigma_D[start])
         ratio = _slope(eps_D[start], eps_V[start])
         if ratio > 0:  # the sample contracts at first, else E is not determined
             found["E"] = found["B"] / ratio
-            if half.sum() >= 4:
-                dilatancy = _slope(eps_D[half], eps_V[half])
-                found["A"] = (0.5 * found["B"] - dilatancy * found["E"]) / (0.5 - dilatancy)
     return found
 
 
 def scalar_law(series, pressure, fits, response):
-    """The scalar law with the moduli of the response along the DEM's strain path, up to the end of the fit; or None and why not."""
+    """The scalar law on the DEM's strain path, up to the end of the fit: (ElementTest or None, remark).
+
+    E and B come from the response; the anisotropy follows the fabric, A = E a_2/2, as in a network of contacts.
+    """
     s_D, anisotropy = fits["s_D"].values, fits["anisotropy"].values
-    E, A, B = (response[name] for name in "EAB")
-    if not np.all(np.isfinite([E, A, B])):
-        return None, "the response does not determine E, A and B"
-    share = 1.0 - np.exp(-anisotropy["beta"] * np.log(2.0) / s_D["beta"])  # of A_max that is reached where S = 1/2
-    parameters = ScalarParameters(E=E, B=B, s_max=s_D["s_max"], A_max=A / share, beta_F=anisotropy["beta"])
+    E, B = response["E"], response["B"]
+    if not np.all(np.isfinite([E, B])):
+        return None, "not drawn, since the response does not determine E and B"
+    parameters = ScalarParameters(E=E, B=B, s_max=s_D["s_max"], A_max=0.5 * E * anisotropy["s_max"], beta_F=anisotropy["beta"])
     last = series.eps_zz.values[series.eps_D.values <= fits["s_D"].x_range[1]].max()
     try:
         element = isobaric_biaxial(np.linspace(0.0, last, 300), pressure, parameters)
     except InputError as error:
-        return None, str(error)
-    return element, str(element.status)
+        return None, f"not drawn: {error}"
+    return element, "" if element.status.level == "ok" else str(element.status)

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from anisogran import fitting
-from anisogran.comparison import compare, decay_length, equilibrium, fitted_amplitude, relative_l2, ring_flow
+from anisogran.comparison import compare, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
 from anisogran.continuum import LocalMuI, Nonlocal
 from anisogran.dem import Friction, Luding
 from anisogran.demo.biaxial_law import biaxial_law
@@ -113,7 +113,7 @@ def run_demo(scene, progress):
         "mu_source": "periodic simple shear",
         "nonlocal_amplitude": amplitude,
         "decay_length_dem": decay.values["length"],
-        "decay_length_dem_err": decay.errors["length"],
+        "decay_length_dem_err": decay_length_error(ring),
         "decay_length_continuum": nonlocal_.decay_length_continuum,
         "l2_local": local.l2,
         "l2_nonlocal": nonlocal_.l2,

@@ -78,7 +78,7 @@ def law(findings):
         plots.biaxial_curves(findings.biaxial.series, found.fits, found.element),
         f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.grains}, friction {scene.friction.mu:g}. Exponential laws "
         "s = s_max - (s_max - s_0) exp(-beta eps_D), fitted up to the peak; the dashed line marks where the fit ends. "
-        f"Scalar law with the moduli of the response: {found.element_remark}.",
+        f"Scalar law with E and B of the response and A = E a_2/2 of the fabric {found.element_remark}",
     )
     rows = []
     for name, label in (("s_D", "stress ratio s_D"), ("anisotropy", "anisotropy a_2 of the fabric")):
@@ -91,15 +91,15 @@ def law(findings):
         ["modulus [N/m]", "fabric, start", "fabric, peak", "response", "beta_s s_max sigma_V"],
         [
             ["E", float(start.E), float(peak.E), response["E"], ""],
-            ["A", float(start.A), float(peak.A), response["A"], ""],
+            ["A", float(start.A), float(peak.A), "not determined by one isobaric path", ""],
             ["B", float(start.B), float(peak.B), response["B"], response["B_implied"]],
             ["G", float(start.G), float(peak.G), "", ""],
         ],
     )
     yield paragraph(
         "Fabric: a network of the unloading stiffness k2 and of k_t that moves affinely, an upper bound. Response: B from the first "
-        "slope of sigma_D, E from the first contraction, A from the dilatancy where half of the stress ratio is mobilised "
-        f"({response['points_start']} and {response['points_half']} samples); loading follows the softer k1, and grains rearrange."
+        f"slope of sigma_D, E from the first contraction ({response['points']} samples); loading follows the softer k1, and grains "
+        "rearrange. Last column: B as the fit of s_D implies it."
     )
     yield picture(
         plots.friction_law(findings.shear, findings.friction),

@@ -109,7 +109,7 @@ class Biaxial(Experiment):
             coords={"time": time},
             attrs={"conventions": CONVENTIONS, "experiment": "biaxial"},
         )
-        return Run(self, series, None, snapshots, self.judge(series, simulation), provenance(self, watch, simulation))
+        return Run(self, series, None, None, snapshots, self.judge(series, simulation), provenance(self, watch, simulation))
 
     def measure(self, simulation, snapshot, width, height):
         """One row of the series."""

@@ -31,11 +31,15 @@ class Experiment(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What an experiment left: the scene, time series, profiles (experiments with a field), snapshots by name, status and provenance."""
+    """What an experiment left: the scene, time series, snapshots by name, status and provenance.
+
+    Experiments with a field also have `profiles` (mean and error over the blocks) and `blocks` (dimension "block").
+    """
 
     scene: Experiment
     series: xr.Dataset
     profiles: xr.Dataset | None = None
+    blocks: xr.Dataset | None = None
     snapshots: dict = field(default_factory=dict)
     status: Status = Status()
     provenance: dict = field(default_factory=dict)

@@ -141,7 +141,7 @@ class RingShear(Experiment):
             attrs={"conventions": CONVENTIONS, "experiment": "ring_shear"},
         )
         status = self.judge(blocks, series, simulation)
-        return Run(self, series, profiles, snapshots, status, provenance(self, watch, simulation))
+        return Run(self, series, profiles, blocks, snapshots, status, provenance(self, watch, simulation))
 
     def outer_radius(self, simulation):
         """Radius of the circle through the tops of the outer wreath."""

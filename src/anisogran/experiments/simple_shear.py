@@ -92,13 +92,13 @@ class SimpleShear(Experiment):
             coords={"time": time},
             attrs={"conventions": CONVENTIONS, "experiment": "simple_shear"},
         )
-        moved = drift(blocks_of(self.steady(series)).area_fraction)
+        moved = drift(blocks_of(self.steady(series)).stress_ratio)
         status = Status()
         if abs(moved) > 4:
-            status = status.warn(f"not steady: the area fraction drifts by {moved:.1f} standard errors")
+            status = status.warn(f"not steady: the stress ratio drifts by {moved:.1f} standard errors")
         if simulation.counters["late_builds"]:
             status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
-        return Run(self, series, None, {"end": snapshot}, status, provenance(self, watch, simulation))
+        return Run(self, series, None, None, {"end": snapshot}, status, provenance(self, watch, simulation))
 
     def steady(self, series):
         """The part of the series after the discarded strain."""

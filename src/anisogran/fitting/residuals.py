@@ -17,6 +17,10 @@ def correlation_time(residual, jacobian):
     taken where the restricted likelihood of noise with exponential memory is largest, which allows for the p columns of the
     `jacobian`, shape (n, p). The series is first thinned until neighbours are moderately correlated: then smooth or finely
     sampled noise, which no exponential describes from one point to the next, gives the right order too.
+
+    Where the likelihood finds no stationary noise at all, the residuals are a smooth misfit of the law. A misfit has no length of
+    memory to be estimated; tau is then the sum of the autocorrelation over its first positive stretch, which makes the errors of
+    the order of the misfit.
     """
     n, p = jacobian.shape
     if n < 5 * p or not np.any(residual):
@@ -27,14 +31,24 @@ def correlation_time(residual, jacobian):
     parts = [(residual[offset::step], columns[offset::step]) for offset in offsets]
     best = minimize_scalar(lambda rho: sum(_misfit(rho, *part) for part in parts), bounds=(0.0, _LONGEST), method="bounded")
     rho = best.x ** (1.0 / step)
-    return float((1.0 + rho) / (1.0 - rho))
+    tau = (1.0 + rho) / (1.0 - rho)
+    if tau * (p + 1) > n:  # fewer independent points than one more than parameters: no noise, but a trend
+        correlation = _autocorrelation(residual)
+        negative = np.flatnonzero(correlation <= 0.0)
+        tau = 1.0 + 2.0 * np.sum(correlation[1 : negative[0] if negative.size else None])
+    return float(tau)
+
+
+def _autocorrelation(residual):
+    """Correlation of the residuals at the lags 0, 1, ..., n - 1, about zero; shape (n,)."""
+    power = np.abs(np.fft.rfft(residual, 2 * residual.size)) ** 2  # zero padding: no wrap-around
+    covariance = np.fft.irfft(power)[: residual.size]
+    return covariance / covariance[0]
 
 
 def _thinning(residual, longest):
     """The first lag at which the autocorrelation is below _MEMORY, at most `longest`."""
-    power = np.abs(np.fft.rfft(residual, 2 * residual.size)) ** 2  # zero padding: no wrap-around
-    covariance = np.fft.irfft(power)[: longest + 1]
-    below = np.flatnonzero(covariance < _MEMORY * covariance[0])
+    below = np.flatnonzero(_autocorrelation(residual)[: longest + 1] < _MEMORY)
     return int(below[0]) if below.size else max(1, longest)
 
 
