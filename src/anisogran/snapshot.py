@@ -48,7 +48,7 @@ class Snapshot:
             value = np.asarray(getattr(self, name))
             if value.shape != shape:
                 raise InputError(f"Snapshot: {name} has shape {value.shape}, expected {shape}")
-            bad = np.flatnonzero(~np.isfinite(value).reshape(len(value), -1).all(axis=1))
+            bad = np.flatnonzero(~np.isfinite(value).all(axis=tuple(range(1, value.ndim))))
             if bad.size:
                 raise InputError(f"Snapshot: {name}[{bad[0]}] is not finite")
             object.__setattr__(self, name, value)

@@ -18,6 +18,7 @@ from anisogran.dem.stepping import (
     LIST_FULL,
     NOT_FINITE,
     OUTSIDE,
+    TOO_FAST,
     Body,
     Counters,
     add_all_forces,
@@ -31,6 +32,7 @@ from anisogran.snapshot import Snapshot
 CAUSES = {
     NOT_FINITE: "its position is not a finite number; the time step is too long or a force has blown up",
     DEEP_OVERLAP: "it overlaps a neighbour by more than half a radius; the load is too high for the stiffness, or the time step too long",
+    TOO_FAST: "it moves more than half the smallest radius in one step; faster than contacts can be found",
     OUTSIDE: "its centre lies beyond a wall; the wall is too soft for the load, or the grain too fast for the time step",
 }
 
@@ -96,6 +98,7 @@ class Simulation:
             movable=movable,
             skin=skin,
             reach=2 * largest_radius + skin,
+            step_limit=0.5 * float(grains.radius.min()),
             out=scratch(),
             counters=Counters(*(np.zeros(1, np.int64) for _ in range(5)), np.zeros(1)),
         )
@@ -168,7 +171,7 @@ class Simulation:
             begin, clock = self.step, time.perf_counter()
             code = run_steps(
                 s.body, s.spin, s.torque, s.inverse_inertia, s.pairs, s.wall_list, s.largest, s.spring, s.wall_largest, s.wall_spring,
-                s.normal, s.friction, s.wall_friction, s.drag, s.boundary, s.movable, s.skin, s.reach, s.out, s.counters,
+                s.normal, s.friction, s.wall_friction, s.drag, s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.out, s.counters,
                 self.dt, min(chunk, end - begin),
             )  # fmt: skip
             if code == LIST_FULL:
@@ -181,10 +184,11 @@ class Simulation:
     def next_stage(self, **changes):
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.
 
-        Contact memory (largest overlap, tangential spring) is kept where both stages have the effect. `velocity` may be given anew.
+        Contact memory (largest overlap, tangential spring) is kept where both stages have the effect. `position` and `velocity`
+        may be given anew.
         """
-        velocity = changes.pop("velocity", self.velocity)
-        grains = replace(self.grains, position=self.position, velocity=velocity, spin=self.spin, mass=self.grains.mass)
+        position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
+        grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin, mass=self.grains.mass)
         arguments = {**self.effects, "boundary": self.boundary, "dt": self.dt, "skin": self._state.skin, **changes}
         return Simulation(grains, predecessor=self, **arguments)
 

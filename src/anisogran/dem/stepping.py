@@ -17,7 +17,9 @@ from anisogran.dem.walls import add_wall_forces, find_wall_contacts
 
 CHECK_EVERY = 10  # steps between two looks at how far the grains have moved since the list was built
 
-DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE = range(5)
+DEEP_EVERY = 100  # steps between two looks for overlaps that no contact law is meant for
+
+DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST = range(6)
 
 
 class Body(NamedTuple):
@@ -82,13 +84,14 @@ def turn(spin, torque, inverse_inertia, movable, before, after):
 
 
 @kernel
-def farthest_move(body, cell, ahead):
-    """How far the grains may have moved at most, `ahead` s from now, since the list was built; and the first that is nowhere (or -1).
+def farthest_move(body, cell):
+    """Longest way of a grain since the list was built, and the fastest grain's speed; which one is fastest, or nowhere (NaN or inf).
 
-    In a periodic cell this is the non-affine motion.
+    In a periodic cell these are the non-affine motions.
     """
     farthest = 0.0
     fastest = 0.0
+    who = 0
     for i in range(body.x.size):
         dx = body.x[i] - body.built_x[i]
         dy = body.y[i] - body.built_y[i]
@@ -97,12 +100,15 @@ def farthest_move(body, cell, ahead):
             dx -= cell.strain * body.built_y[i]
             dy -= (cell.stretch - 1.0) * body.built_y[i]
             du -= cell.shear_speed * body.y[i] / cell.height
-        square = dx * dx + dy * dy
-        if not square < math.inf:
-            return square, i
-        farthest = max(farthest, square)
-        fastest = max(fastest, du * du + body.vy[i] ** 2)
-    return math.sqrt(farthest) + ahead * math.sqrt(fastest), -1
+        way = dx * dx + dy * dy
+        speed = du * du + body.vy[i] ** 2
+        if not way + speed < math.inf:
+            return math.inf, math.inf, i
+        farthest = max(farthest, way)
+        if speed > fastest:
+            fastest = speed
+            who = i
+    return math.sqrt(farthest), math.sqrt(fastest), who
 
 
 @kernel
@@ -162,26 +168,35 @@ def add_all_forces(
 @kernel
 def run_steps(
     body, spin, torque, inverse_inertia, pairs, wall_list, largest, spring, wall_largest, wall_spring,
-    normal, friction, wall_friction, drag, boundary, movable, skin, reach, out, counters, dt, steps,
+    normal, friction, wall_friction, drag, boundary, movable, skin, reach, step_limit, out, counters, dt, steps,
 ):  # fmt: skip
-    """Up to `steps` steps; returns DONE, or why it stopped early at counters.step (LIST_FULL: make room and call again)."""
+    """Up to `steps` steps; returns DONE, or why it stopped early at counters.step (LIST_FULL: make room and call again).
+
+    `reach` is the distance at which grains may touch, `step_limit` the longest way of a grain in one step.
+    """
     half = 0.5 * dt
     owed = 0.0  # the second half kick of the step before; it is done together with the first one of the next step
     code = DONE
     for _ in range(steps):
         if counters.step[0] % CHECK_EVERY == 0:
-            moved, counters.grain[0] = farthest_move(body, lattice(boundary), CHECK_EVERY * dt)
-            approach = 2.0 * moved + counters.travel[0]
-            if counters.grain[0] >= 0:
+            way, speed, counters.grain[0] = farthest_move(body, lattice(boundary))
+            approach = 2.0 * way + counters.travel[0]
+            if way == math.inf:
                 code = NOT_FINITE
-            elif approach > 0.95 * skin:
-                late = 2.0 * farthest_move(body, lattice(boundary), 0.0)[0] + counters.travel[0] > skin
+            elif speed * dt > step_limit:
+                code = TOO_FAST
+            elif approach + 2.0 * speed * CHECK_EVERY * dt > 0.95 * skin:
                 # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
                 kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, 0.0, 0.0)
                 turn(spin, torque, inverse_inertia, movable, owed, 0.0)
                 owed = 0.0
                 code = rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters)
-                counters.late[0] += code == DONE and late
+                counters.late[0] += code == DONE and approach > skin
+            elif counters.step[0] % DEEP_EVERY == 0:
+                deep = deepest_pair(body, pairs, lattice(boundary))
+                if deep >= 0:
+                    counters.grain[0] = deep
+                    code = DEEP_OVERLAP
             if code != DONE:
                 break
         kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, half, dt)

@@ -1,0 +1,279 @@
+"""The time loop: reproducible, restartable, honest about effects, and loud when something goes wrong."""
+
+import os
+import re
+import subprocess
+import sys
+
+import numba
+import numpy as np
+import pytest
+
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Ring, Simulation
+from anisogran.dem.boundaries import periodic
+from anisogran.dem.kernel import OPTIONS
+from anisogran.dem.neighbours import empty_pair_list, find_pairs
+from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.dem.pairs import pair_forces
+from anisogran.outcome import InputError, RunFailed
+
+LAW = Luding(5e4, 1e5, 2e4, 0.1)
+FRICTION = Friction(2e4, 0.5)
+
+
+def crowd(rng, count=60, fraction=0.5, size_ratio=3.0, origin=0.0):
+    """A box of loose grains flying about: (Grains, side); `origin` = 0.5 puts the middle of the box at the origin."""
+    radius = uniform_radii(count, 1e-3, size_ratio, rng)
+    side = float(np.sqrt(np.sum(np.pi * radius**2) / fraction))
+
+    def inside(points, r):
+        return np.all((points > r) & (points < side - r), axis=1)
+
+    position = random_positions(radius, lambda rng, n: rng.uniform(0, side, (n, 2)), inside, rng)
+    return Grains(position - origin * side, radius, velocity=rng.normal(0, 0.3, (count, 2)), spin=rng.normal(0, 50, count)), side
+
+
+def state(sim):
+    return np.concatenate([sim.position.ravel(), sim.velocity.ravel(), sim.spin, sim.net_force.ravel()])
+
+
+BOUNDARIES = {
+    "box": lambda side: Box(side, side, right=Pressure(50.0, 1e-4, 0.5), top=Cosine(side, 0.8 * side, 0.02)),
+    "ring": lambda side: Ring(0.75 * side, rim=Pressure(20.0, 1e-4, 0.5), omega=3.0),
+    "periodic": lambda side: Periodic(side, side, shear_rate=20.0, pressure=50.0, viscosity=20.0),
+}
+
+
+@pytest.mark.parametrize("name", BOUNDARIES)
+def test_a_split_run_is_the_straight_run(name, rng):
+    """Bit for bit, whatever the pieces; the list is rebuilt many times in between."""
+    grains, side = crowd(rng, origin=0.5 if name == "ring" else 0.0)
+    runs = []
+    for pieces in ([3000], [1, 1336, 7, 10, 646, 1000]):
+        sim = Simulation(grains, LAW, friction=FRICTION, boundary=BOUNDARIES[name](side), wall_friction=FRICTION if name == "ring" else None)
+        for steps in pieces:
+            sim.run(steps)
+        runs.append(sim)
+    assert runs[0].counters["builds"] > 5
+    assert runs[0].counters == runs[1].counters
+    np.testing.assert_array_equal(state(runs[0]), state(runs[1]))
+
+
+def test_output_changes_nothing(rng):
+    grains, side = crowd(rng)
+    quiet, watched = (Simulation(grains, LAW, friction=FRICTION, boundary=Box(side, side)) for _ in range(2))
+    quiet.run(2000)
+    for _ in range(200):
+        watched.run(10)
+        watched.snapshot()
+    np.testing.assert_array_equal(state(quiet), state(watched))
+
+
+def test_an_absent_effect_is_an_effect_of_no_strength(rng):
+    """No friction equals mu = 0 bit for bit, and carries the given spin along; without it no memory is held."""
+    grains, side = crowd(rng)
+    without = Simulation(grains, Linear(1e5, 0.1), boundary=Box(side, side))
+    with_zero = Simulation(grains, Linear(1e5, 0.1), friction=Friction(2e4, 0.0), boundary=Box(side, side))
+    for sim in (without, with_zero):
+        sim.run(2000)
+    np.testing.assert_array_equal(without.position, with_zero.position)
+    np.testing.assert_array_equal(without.spin, grains.spin)
+    assert without._state.spring is None
+    assert without._state.largest is None
+    assert without._state.torque is None
+    assert with_zero.active_effects()[1] == ["wall_friction", "drag"]
+
+
+def test_rigid_rotation_turns_all_forces(rng):
+    """A packing with loaded tangential springs, turned as a whole: the same forces, turned."""
+    grains, _ = crowd(rng)
+    squeezed = Grains(0.85 * grains.position, grains.radius, velocity=grains.velocity, spin=grains.spin)
+    sim = Simulation(squeezed, Linear(1e5, 0.1), friction=FRICTION)
+    sim.run(20)
+    angle = 0.7
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    plain = sim.next_stage()
+    turned = sim.next_stage(velocity=sim.velocity @ turn.T, position=sim.position @ turn.T)
+    assert np.abs(plain.torque).max() > 0
+    scale = np.abs(plain.net_force).max()
+    np.testing.assert_allclose(turned.net_force, plain.net_force @ turn.T, atol=1e-10 * scale)  # rounding of positions times stiffness
+    np.testing.assert_allclose(turned.torque, plain.torque, atol=1e-10 * scale * 1e-3)
+
+
+@pytest.mark.parametrize("cell", [None, "periodic"])
+def test_neighbour_list_is_complete_and_has_no_pair_twice(cell, rng):
+    radius = uniform_radii(150, 1.0, 20.0, rng)
+    side = 30.0
+    x, y = rng.uniform(0, side, (2, 150))
+    lattice = None
+    if cell is not None:
+        boundary = Periodic(side, side).state()
+        boundary.lattice[2] = 7.3  # a sheared cell
+        lattice = periodic.lattice(boundary)
+    pairs = empty_pair_list(150, 150 * 149 // 2)
+    found = find_pairs(x, y, radius, 150, lattice, 0.3, pairs)
+    listed = set(zip(pairs.first[:found].tolist(), pairs.second[:found].tolist(), strict=True))
+    i, j = np.triu_indices(150, 1)
+    dx, dy = x[j] - x[i], y[j] - y[i]
+    if lattice is not None:
+        rows = np.floor(dy / side + 0.5)
+        dy, dx = dy - rows * side, dx - rows * 7.3
+        dx -= np.floor(dx / side + 0.5) * side
+    near = np.hypot(dx, dy) < radius[i] + radius[j] + 0.3
+    assert len(listed) == found
+    assert listed == set(zip(i[near].tolist(), j[near].tolist(), strict=True))
+
+
+def test_contact_memory_survives_a_rebuild(rng):
+    """Springs belong to pairs, not to places in the list: a run with a tiny skin (rebuilt all the time) gives the same contacts."""
+    grains, side = crowd(rng)
+    wide, narrow = (Simulation(grains, LAW, friction=FRICTION, boundary=Box(side, side), skin=skin) for skin in (1e-3, 5e-5))
+    for sim in (wide, narrow):
+        sim.run(1500)
+    assert narrow.counters["builds"] > 5 * wide.counters["builds"]
+    # only the order of the sums differs; collisions amplify the rounding by a few digits
+    np.testing.assert_allclose(narrow.position, wide.position, atol=1e-12)
+
+
+def test_lists_grow_when_needed(rng):
+    """A loose start that is compressed needs more pairs than it began with; no contact is lost on the way."""
+    grains, side = crowd(rng, count=40, fraction=0.05)
+    sim = Simulation(grains, Linear(1e5, 0.1), boundary=Box(side, side), skin=10 * side)
+    assert sim.counters["pairs"] == 40 * 39 // 2
+
+
+def test_momentum_is_conserved_in_the_periodic_cell(rng):
+    grains, side = crowd(rng)
+    sim = Simulation(grains, LAW, friction=FRICTION, boundary=Periodic(side, side))
+    before = grains.mass @ grains.velocity
+    sim.run(3000)
+    scale = np.abs(grains.mass[:, None] * grains.velocity).sum()
+    np.testing.assert_allclose(grains.mass @ sim.velocity, before, atol=1e-12 * scale)
+
+
+def test_sheared_image_is_the_same_contact():
+    """Two grains that touch across the moving border feel what two grains in the middle of the cell feel."""
+    force = []
+    for y in (5.0, 0.0):
+        state = Periodic(10.0, 10.0, shear_rate=0.1)
+        position = np.array([[5.0, y + 0.45], [5.0, (y - 0.45) % 10.0]])
+        velocity = np.stack([0.1 * (position[:, 1]), np.zeros(2)], axis=1)
+        sim = Simulation(Grains(position, [0.5, 0.5], mass=[1.0, 1.0], velocity=velocity), Linear(1e3, 5.0), friction=Friction(1e3, 0.5), boundary=state)
+        sim.run(1)
+        force.append(sim.net_force[0])
+    np.testing.assert_allclose(force[0], force[1], atol=1e-9)
+
+
+def test_pressed_wall_reaches_its_pressure():
+    """One grain between a fixed and a pressed wall: its overlap carries pressure times length."""
+    grains = Grains([[0.5, 0.5]], [0.5], mass=[1.0])
+    box = Box(1.0, 1.0, right=Pressure(10.0, mass=1.0, damping=80.0))
+    sim = Simulation(grains, Linear(1e3, 20.0), boundary=box, drag=20.0)
+    sim.run(6000)
+    assert sim.walls.force[1] == pytest.approx(10.0, rel=1e-6)
+    assert sim.walls.force[0] == pytest.approx(10.0, rel=1e-6)
+    assert 1.0 - sim.walls.position[1] == pytest.approx(2 * 10.0 / 1e3, rel=1e-6)  # two contacts in series
+
+
+def test_cosine_wall_follows_the_lecture():
+    box = Box(2.0, 4.0, top=Cosine(4.0, 3.0, duration=1.0))
+    sim = Simulation(Grains([[1.0, 0.5]], [0.4], mass=[1.0]), Linear(10.0), boundary=box, dt=1e-3)
+    for steps, height, speed in ((500, 3.5, -0.5 * np.pi), (500, 3.0, 0.0), (300, 3.0, 0.0)):
+        sim.run(steps)
+        assert sim.walls.position[3] == pytest.approx(height, abs=1e-12)
+        assert sim.walls.velocity[3] == pytest.approx(speed, abs=1e-12)
+
+
+def test_driven_grains_ride_on_their_ring():
+    angle = np.linspace(0, 2 * np.pi, 7)[:-1]
+    ring = 3.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    outer = 2.0 * ring
+    grains = Grains(np.concatenate([[[4.5, 0.0]], ring, outer]), np.full(13, 0.5), driven=12)
+    rim = Pressure(1.0, mass=1e4, damping=1e4)
+    sim = Simulation(grains, Linear(1e3), friction=Friction(1e3, 0.5), boundary=Ring(6.0, rim=rim, omega=0.5, inner=6), dt=1e-3)
+    sim.run(1000)
+    turned = 3.0 * np.stack([np.cos(angle + 0.5), np.sin(angle + 0.5)], axis=1)
+    np.testing.assert_allclose(sim.position[1:7], turned, atol=1e-11)
+    np.testing.assert_allclose(sim.velocity[1:7], 0.5 * np.stack([-turned[:, 1], turned[:, 0]], axis=1), atol=1e-11)
+    np.testing.assert_array_equal(sim.spin[1:7], 0.5)
+    radius = float(sim.walls.position[0])
+    assert radius < 6.0  # nothing holds the outer ring, it closes
+    np.testing.assert_allclose(sim.position[7:], outer * radius / 6.0, atol=1e-12)
+
+
+def test_a_blow_up_stops_and_names_the_grain():
+    grains = Grains([[0.0, 0.0], [0.9, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[300.0, 0.0], [-300.0, 0.0]])
+    sim = Simulation(grains, Linear(1e3))
+    with pytest.raises(RunFailed, match=r"stopped at step \d+ .* at grain [01], .*moves more than half the smallest radius"):
+        sim.run(1000)
+    grains = Grains([[0.0, 0.0], [1.0, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[10.0, 0.0], [-10.0, 0.0]])
+    sim = Simulation(grains, Linear(1e2), skin=1.0)
+    with pytest.raises(RunFailed, match="overlaps a neighbour by more than half a radius"):
+        sim.run(1000)
+    sim = Simulation(Grains([[0.0, 0.0]], [0.5], mass=[1.0], velocity=[[1e308, 0.0]]), Linear(1e3))
+    with pytest.raises(RunFailed, match="not a finite number"):
+        sim.run(1000)
+    sim = Simulation(Grains([[0.5, 0.5]], [0.4], mass=[1.0], velocity=[[50.0, 0.0]]), Linear(1e2), boundary=Box(1.0, 1.0))
+    with pytest.raises(RunFailed, match="lies beyond a wall"):
+        sim.run(1000)
+
+
+def test_bad_input_is_refused_before_the_first_step():
+    good = {"position": [[0.0, 0.0], [1.0, 0.0]], "radius": [0.5, 0.5]}
+    for change, message in [
+        ({"radius": [0.5, 0.0]}, r"radius\[1\] = 0 must be above 0"),
+        ({"radius": [0.5, np.nan]}, r"radius\[1\] = nan is not finite"),
+        ({"mass": [1.0, -1.0]}, r"mass\[1\] = -1 must be above 0"),
+        ({"density": -2.0}, "density = -2 must be above 0 kg/m3"),
+        ({"velocity": np.zeros((3, 2))}, r"velocity of shape \(3, 2\) does not fit \(2, 2\)"),
+        ({"position": np.zeros((0, 2))}, r"must be \(N, 2\) with N > 0"),
+        ({"driven": 3}, "driven = 3 must be between 0"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            Grains(**{**good, **change})
+    with pytest.raises(InputError, match=r"dt = 1 must be at most"):
+        Simulation(Grains(**good), Linear(1e5), dt=1.0)
+    with pytest.raises(RunFailed, match="overlaps a neighbour by more than half a radius"):
+        Simulation(Grains([[0.0, 0.0], [0.0, 0.0]], [0.5, 0.5]), Linear(1e5))
+
+
+def test_pair_loop_is_vectorised(rng):
+    """The assembly of the pair loop holds a packed square root: without the no-alias promise the compiler would stay scalar."""
+    if numba.config.DISABLE_JIT:
+        pytest.skip("nothing is compiled with NUMBA_DISABLE_JIT")
+    grains, side = crowd(rng, count=10, fraction=0.2)
+    fresh = numba.njit(**OPTIONS)(pair_forces.py_func)  # code from the disk cache cannot be inspected
+    for friction in (None, FRICTION):
+        s = Simulation(grains, LAW, friction=friction, boundary=Box(side, side))._state
+        first, second = s.pairs.first[:0], s.pairs.second[:0]
+        b = s.body
+        fresh(b.x, b.y, b.vx, b.vy, s.spin, b.radius, first, second, s.normal, s.friction, None, s.largest, s.spring, s.out, 0.0)
+    for text in fresh.inspect_asm().values():
+        assert "sqrtpd" in text or re.search(r"fsqrt\s+v\d+\.2d", text)  # x86, Arm
+
+
+@pytest.mark.parametrize("switch", ["NUMBA_DISABLE_JIT", "NUMBA_BOUNDSCHECK"])
+def test_kernels_are_plain_python_too(switch, tmp_path):
+    """The same tiny run with the compiler off, or with bounds checked, gives the compiled result."""
+    code = """
+import numpy as np
+from anisogran.dem import *
+rng = np.random.default_rng(3)
+p = 1.9e-3 * np.stack(np.meshgrid(np.arange(3), np.arange(3)), -1).reshape(-1, 2) + 1e-3
+g = Grains(p, np.full(9, 1e-3), velocity=rng.normal(0, 0.05, (9, 2)))
+box = Box(5.8e-3, 5.8e-3, right=Pressure(10.0, 1e-4, 1.0))
+s = Simulation(g, Luding(5e4, 1e5, 2e4, 0.1), friction=Friction(2e4, 0.5), wall_friction=Friction(2e4, 0.5), boundary=box)
+s.run(60)
+t = Simulation(g, Linear(1e5, 0.1), boundary=Periodic(6e-3, 6e-3, shear_rate=5.0, pressure=10.0, viscosity=10.0))
+t.run(60)
+print(repr(np.concatenate([s.position, t.position, s.snapshot().force.sum(axis=0)[None]]).tolist()))
+"""
+    results = []
+    for value in ("0", "1"):
+        # code compiled with bounds checks must not stay in the cache
+        environment = {**os.environ, switch: value} | ({"NUMBA_CACHE_DIR": str(tmp_path)} if value == "1" else {})
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+        assert done.returncode == 0, done.stderr[-2000:]
+        results.append(np.array(eval(done.stdout, {"__builtins__": {}})))
+    # fused multiply-add and vector order differ from plain Python in the last digits
+    np.testing.assert_allclose(results[1], results[0], rtol=1e-9)

@@ -1,0 +1,98 @@
+"""The house keeps its shape: imports point down only, rooms import the third parties they may, and the front door is light."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import anisogran
+
+SOURCE = Path(anisogran.__file__).parent
+
+# Rooms from the bottom up; rooms of one layer do not know each other.
+LAYERS = [
+    {"outcome", "glossary", "tensors"},
+    {"snapshot"},
+    {"dem", "averaging", "models"},
+    {"fitting", "continuum", "files"},
+    {"experiments"},
+    {"comparison", "plots"},
+    {"demo"},
+    {"cli"},
+]
+LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
+ALLOWED = {  # third parties that only these rooms may import
+    "lmfit": {"fitting"},
+    "skfem": {"continuum"},
+    "matplotlib": {"plots"},
+    "numba": {"dem"},
+    "llvmlite": {"dem"},
+    "typer": {"cli"},
+    "rich": {"cli"},
+}
+OF_DEM = {"numpy", "numba", "llvmlite", "platformdirs"}
+
+
+def room_of(path):
+    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+
+
+def imports(path):
+    """(room of anisogran or None, top-level package) of every import in a file."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names = [f"{node.module}.{alias.name}" if node.module == "anisogran" else node.module for alias in node.names]
+        else:
+            continue
+        for name in names:
+            parts = name.split(".")
+            inside = parts[0] == "anisogran" and len(parts) > 1 and parts[1] in LEVEL
+            yield (parts[1] if inside else None), parts[0]
+
+
+FILES = sorted(path for path in SOURCE.rglob("*.py") if path.name != "__init__.py" or path.parent != SOURCE)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_imports_point_down(path):
+    room = room_of(path)
+    assert room in LEVEL, f"{room} has no place in the house"
+    for target, package in imports(path):
+        if target is not None and target != room:
+            assert LEVEL[target] < LEVEL[room], f"{path.relative_to(SOURCE)} imports {target}"
+        assert room in ALLOWED.get(package, {room}), f"{path.relative_to(SOURCE)} imports {package}"
+        if room == "dem" and package not in sys.stdlib_module_names | {"anisogran"}:
+            assert package in OF_DEM, f"{path.relative_to(SOURCE)} imports {package}"
+
+
+def test_front_door_is_light():
+    """`import anisogran` loads nothing of weight, numpy included."""
+    code = "import sys, anisogran; print(*sorted(sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"numpy", "numba", "lmfit", "xarray", "matplotlib", "scipy", "skfem", "pydantic"} & set(loaded)
+
+
+def test_every_public_name_resolves():
+    for name in anisogran.__all__:
+        assert getattr(anisogran, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = anisogran.nonsense
+
+
+def test_no_public_name_is_a_room():
+    """A function that bears the name of a sub-module would hide it, or be hidden by it."""
+    rooms = {path.stem for path in SOURCE.iterdir() if not path.name.startswith("_")}
+    assert not (set(anisogran._NAMES) & rooms)
+
+
+def test_nothing_is_hidden():
+    """No pickle, no silent repair of NaN, no bare except anywhere in the package."""
+    for path in FILES:
+        text = path.read_text()
+        for word in ("nan_to_num", "except:", "import pickle", "allow_pickle=True"):
+            assert word not in text, f"{path.relative_to(SOURCE)}: {word}"
