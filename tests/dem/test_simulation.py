@@ -213,7 +213,7 @@ def test_a_blow_up_stops_and_names_the_grain():
     sim = Simulation(Grains([[0.0, 0.0]], [0.5], mass=[1.0], velocity=[[1e308, 0.0]]), Linear(1e3))
     with pytest.raises(RunFailed, match="not a finite number"):
         sim.run(1000)
-    sim = Simulation(Grains([[0.5, 0.5]], [0.4], mass=[1.0], velocity=[[50.0, 0.0]]), Linear(1e2), boundary=Box(1.0, 1.0))
+    sim = Simulation(Grains([[0.5, 0.5]], [0.4], mass=[1.0], velocity=[[3.0, 0.0]]), Linear(1.0), boundary=Box(1.0, 1.0))
     with pytest.raises(RunFailed, match="lies beyond a wall"):
         sim.run(1000)
 
