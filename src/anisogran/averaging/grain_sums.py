@@ -51,9 +51,10 @@ def contact_ends(snapshot):
 
 def per_grain(ends, values, grains):
     """Sum of `values` (E, ...) over the contacts of each grain, shape (grains, ...)."""
-    flat = values.reshape(len(values), -1)
-    sums = [np.bincount(ends.grain, weights=column, minlength=grains) for column in flat.T]
-    return np.stack(sums, axis=-1).reshape((grains, *values.shape[1:]))
+    shape = values.shape[1:]
+    columns = np.moveaxis(values, 0, -1).reshape(int(np.prod(shape)), len(values))
+    sums = [np.bincount(ends.grain, weights=column, minlength=grains) for column in columns]
+    return np.stack(sums, axis=-1).reshape((grains, *shape))
 
 
 def stress_moment(ends, grains):
