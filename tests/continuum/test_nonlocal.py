@@ -104,8 +104,16 @@ def test_hard_parameters_converge(amplitude, wall_speed):
     assert np.all(flow.fluidity + 1e-8 * wall_speed / 20.0 > 0.0)
 
 
+@pytest.mark.parametrize(("mu_s", "b", "amplitude", "wall_speed"), [(0.1, 2.0, 0.2, 0.03), (0.6, 0.3, 0.2, 1e-7)])
+def test_thin_layers_need_a_good_start(mu_s, b, amplitude, wall_speed):
+    """Newton started after four Picard rounds stalls in the first."""
+    flow = RingFlow(13.0, 33.0, Nonlocal(mu_s, b, amplitude), wall_speed, 1.0).solve()
+    assert flow.torques.difference < 1e-8
+
+
 @pytest.mark.parametrize(
-    ("inner", "outer", "amplitude"), [(10.0, 200.0, 0.9), (13.0, 33.0, 0.1), (1e-3, 30.0, 0.9), (100.0, 101.0, 5.0)]
+    ("inner", "outer", "amplitude"),
+    [(10.0, 200.0, 0.9), (13.0, 33.0, 0.1), (1e-3, 30.0, 0.9), (1e-6, 1.0, 0.9), (100.0, 101.0, 5.0)],
 )
 def test_extreme_geometries_converge(inner, outer, amplitude):
     flow = RingFlow(inner, outer, Nonlocal(0.25, 1.1, amplitude), 1e-4, 1.0).solve()
