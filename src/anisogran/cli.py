@@ -1,5 +1,7 @@
 """The command line. Heavy imports stand inside the commands, so that help is quick."""
 
+import contextlib
+import itertools
 import json
 import os
 import sys
@@ -10,12 +12,12 @@ from typing import Annotated
 
 import typer
 
-from anisogran.outcome import InputError, NotConverged, RunFailed
+from anisogran.outcome import InputError, Interrupted, NotConverged, RunFailed
 
 OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, NOT_TRUSTWORTHY, INTERRUPTED = 0, 2, 3, 4, 5, 130
 
 app = typer.Typer(
-    help="From particle simulations to continuum theory for granular matter.", add_completion=False, no_args_is_help=True,
+    help="From particle simulations to continuum theory for granular matter.", add_completion=False,
     pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
 
@@ -35,9 +37,23 @@ def demo(
 ):
     """The main job: grains, averages, law, continuum, comparison; writes report.html and results.h5."""
     clock = time.perf_counter()
-    folder = output_folder(out, "demo", force)
     check_writable(json_file)
+    folder = output_folder(out, "demo", force)
+    try:
+        findings = run_and_report(seed, quick, folder, clock)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays
+        if isinstance(error, KeyboardInterrupt):  # typer would give it an exit code, but no word
+            raise Interrupted("interrupted; nothing was written") from None
+        raise
+    if json_file is not None:
+        write_json(json_file, findings.numbers)
+    summarise(findings, folder)
 
+
+def run_and_report(seed, quick, folder, clock):
+    """Runs the demo behind a progress bar and writes its report; returns the Findings."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -60,19 +76,19 @@ def demo(
         write_report(findings, folder)
         findings.numbers["wall_s"] = time.perf_counter() - clock
         bars.update(rest, completed=1.0)
-    if json_file is not None:
-        write_json(json_file, findings.numbers)
-    report(findings, folder)
+    return findings
 
 
-def report(findings, folder):
+def summarise(findings, folder):
     """The findings in a few lines on the terminal."""
     n = findings.numbers
     print(f"friction angle   peak {n['friction_angle_peak_deg']:.1f} deg, final {n['friction_angle_final_deg']:.1f} deg (biaxial box)")
     for name in ("s_D", "anisotropy"):
         print(f"{name:16} {findings.law.fits[name]}")
     print(f"{'mu(I)':16} {findings.friction}")
-    print(f"decay of v_phi   grains {n['decay_length_dem']:.3g} d, nonlocal continuum {n['decay_length_continuum']:.3g} d")
+    continuum = n["decay_length_continuum"]
+    words = "not determined (at rest within three rings)" if continuum != continuum else f"{continuum:.3g} d"
+    print(f"decay of v_phi   grains {n['decay_length_dem']:.3g} +- {n['decay_length_dem_err']:.2g} d, nonlocal continuum {words}")
     print(
         f"L2 of v_phi      local {n['l2_local']:.3g}, nonlocal {n['l2_nonlocal']:.3g} (1 parameter fitted on this ring), "
         f"exponential {n['l2_exponential']:.3g} (2 parameters), error bars of the grains {n['l2_noise']:.2g}"
@@ -89,8 +105,9 @@ def output_folder(out, name, force):
     """
     try:
         if out is None:
-            folder = next(p for k in range(1, 1000) if not (p := Path(f"{name}-{k:03d}")).exists())
-            folder.mkdir()
+            folder = numbered_folder(name)
+        elif out.exists() and not out.is_dir():
+            raise InputError(f"--out {out}: is not a folder")
         else:
             folder = out
             folder.mkdir(parents=True, exist_ok=True)
@@ -101,6 +118,15 @@ def output_folder(out, name, force):
     except OSError as error:
         raise InputError(f"--out {out if out is not None else name + '-NNN'}: cannot be written ({error.strerror})") from None
     return folder
+
+
+def numbered_folder(name):
+    """Makes the first folder of name-001, name-002, ... that does not exist yet."""
+    for k in itertools.count(1):
+        folder = Path(f"{name}-{k:03d}")
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir()
+            return folder
 
 
 def check_writable(path):
@@ -126,8 +152,9 @@ def write_json(path, numbers):
 
 def main(arguments=None):
     """Runs the command line and leaves with its exit code; a user's mistake is one line on stderr, never a traceback."""
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        code = app(args=arguments, prog_name="anisogran", standalone_mode=False)
+        code = app(args=arguments or ["--help"], prog_name="anisogran", standalone_mode=False)
     except typer.Exit as end:
         code = end.exit_code
     except InputError as error:
@@ -136,8 +163,8 @@ def main(arguments=None):
         code = complain(error, RUN_FAILED)
     except NotConverged as error:
         code = complain(error, NOT_CONVERGED)
-    except KeyboardInterrupt:
-        code = complain("interrupted", INTERRUPTED)
+    except (KeyboardInterrupt, Interrupted) as error:
+        code = complain(str(error) or "interrupted", INTERRUPTED)
     except Exception as error:
         if not hasattr(error, "format_message"):  # typer's own errors: a wrong option, a value of the wrong type
             raise

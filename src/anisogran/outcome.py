@@ -16,6 +16,10 @@ class RunFailed(RuntimeError):
     """A simulation had to stop: the message names step, grain and likely cause."""
 
 
+class Interrupted(RuntimeError):
+    """The user stopped it; the message says what was kept."""
+
+
 class NotConverged(RuntimeError):
     """An iteration ended without a solution.
 

@@ -163,3 +163,14 @@ def test_refused_law(law, values, message):
 def test_a_gap_too_wide_for_the_grains_is_refused_by_name():
     with pytest.raises(InputError, match="too wide"):
         RingFlow(1.0, 10.0, NONLOCAL, 1e-3, 1.0, grain_diameter=1e-5).solve()
+
+
+@pytest.mark.parametrize("r_outer", [14.908625840458654, 14.93, 15.1, 14.95501])
+def test_ring_average_takes_edges_that_rounding_puts_beside_mesh_points(r_outer):
+    """The mesh begins at r_inner/gap, whose product with the gap need not be r_inner again."""
+    flow = RingFlow(6.0, r_outer, Nonlocal(0.28, 1.1, 0.7), 0.04, 1.0).solve()
+    edges = np.arange(6.0, 15.0)[: int(r_outer) - 5]
+    rings = flow.ring_average(edges)
+    assert np.all(np.diff(rings.v_phi) < 0)
+    fine = flow.at(np.linspace(6.0, 7.0, 2001))
+    assert rings.v_phi[0] == pytest.approx(np.average(fine.v_phi, weights=fine.r), rel=1e-4)  # plain sum over 2000 points
