@@ -57,6 +57,12 @@ def decay_length(profiles, v_phi):
     return fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors)
 
 
+def best_exponential(profiles):
+    """The base line of every comparison: the exponential in the depth that is closest to the DEM's v_phi in relative L2, on its rings."""
+    weight = np.sqrt(profiles.r.values)  # of a ring in the L2 difference
+    return fitting.exponential_decay(profiles.depth.values, profiles.v_phi.values, 1.0 / weight).predict(profiles.depth.values)
+
+
 def decay_length_error(run):
     """Standard error of the DEM's decay length in grain diameters: the same fit to every block of the run, and their scatter."""
     lengths = [decay_length(run.profiles, v_phi).values["length"] for v_phi in np.abs(run.blocks.v_phi.transpose("block", "r").values)]

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from anisogran import fitting
-from anisogran.comparison import compare, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
+from anisogran.comparison import best_exponential, compare, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
 from anisogran.continuum import LocalMuI, Nonlocal
 from anisogran.dem import Friction, Luding
 from anisogran.demo.biaxial_law import biaxial_law
@@ -60,7 +60,6 @@ class Findings:
     flows: dict  # name: Flow
     comparisons: list  # Comparison
     exponential: np.ndarray  # the two-parameter base line on the rings
-    decay: object  # FitResult of the DEM's velocity
     numbers: dict
     reasons: list  # sentences that a reader must see
 
@@ -85,7 +84,7 @@ def run_demo(scene, progress):
     comparisons = [compare(ring, flow, name) for name, flow in flows.items()]
     local, nonlocal_ = comparisons
     decay = decay_length(ring.profiles, ring.profiles.v_phi.values)
-    exponential = decay.predict(ring.profiles.depth.values)
+    exponential = best_exponential(ring.profiles)
 
     s_D = law.fits["s_D"]
     balance = equilibrium(ring.profiles)
@@ -128,7 +127,7 @@ def run_demo(scene, progress):
         "seed": scene.seed,
     }
     reasons = [f"{name}: {text}" for name, text in _warnings(ring, biaxial, tests, law, friction, flows, amplitude_status)]
-    return Findings(scene, biaxial, ring, shear, law, friction, flows, comparisons, exponential, decay, numbers, reasons)
+    return Findings(scene, biaxial, ring, shear, law, friction, flows, comparisons, exponential, numbers, reasons)
 
 
 def _warnings(ring, biaxial, tests, law, friction, flows, amplitude_status):

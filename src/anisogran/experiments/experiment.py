@@ -10,6 +10,7 @@ import xarray as xr
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 import anisogran
+from anisogran.files import save_results, snapshot_dataset
 from anisogran.outcome import InputError, Status
 
 PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
@@ -43,6 +44,17 @@ class Run:
     snapshots: dict = field(default_factory=dict)
     status: Status = Status()
     provenance: dict = field(default_factory=dict)
+
+    def datasets(self):
+        """All of it as datasets by group name; "" holds provenance and status as attributes."""
+        groups = {"": xr.Dataset(attrs={**self.provenance, "status": str(self.status)}), "series": self.series}
+        groups |= {name: data for name, data in (("profiles", self.profiles), ("blocks", self.blocks)) if data is not None}
+        return groups | {f"snapshots/{name}": snapshot_dataset(snapshot) for name, snapshot in self.snapshots.items()}
+
+    def save(self, path):
+        """Writes one HDF5 file that `anisogran.open` and `xarray.open_datatree(path, engine="h5netcdf")` read."""
+        groups = self.datasets()
+        save_results(path, groups, groups.pop("").attrs)
 
 
 class Watch:
