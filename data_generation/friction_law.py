@@ -34,7 +34,8 @@ def main(arguments=None):
             run = SimpleShear(inertial_number=float(inertial), grains=grains, strain=strain, seed=seed).run()
             run.status.require()
             state = steady_state(run)
-            print(f"seed {seed}  I = {inertial:.4g}  mu = {float(state.stress_ratio):.4f} +- {float(state.stress_ratio_error):.4f}  {run.status}")
+            mu, error = float(state.stress_ratio), float(state.stress_ratio_error)
+            print(f"seed {seed}  I = {inertial:.4g}  mu = {mu:.4f} +- {error:.4f}  {run.status}")
             states.append(state.assign(seed=seed))
     save_results(options.file, {"steady": xr.concat(states, "test")}, run.provenance)
 

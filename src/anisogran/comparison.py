@@ -117,9 +117,12 @@ def compare(run, flow, name="continuum"):
 
 
 def continuum_decay(profiles, v_phi):
-    """The decay length of the continuum on the DEM's rings; NaN if it comes to rest there, as a local law does."""
+    """The decay length of the continuum on the DEM's rings; NaN if it comes to rest within three rings, as a local law does.
+
+    At rest is below a thousandth of the velocity in the first ring; what is left of a local law there is its regularisation.
+    """
     used = resolved(profiles)
-    if np.count_nonzero(v_phi[used] > 1e-6 * v_phi[0]) < 3:
+    if np.count_nonzero(v_phi[used] > 1e-3 * v_phi[0]) < 3:
         return float("nan")
     return decay_length(profiles, v_phi).values["length"]
 

@@ -90,7 +90,15 @@ def packings(snapshots, titles, size=4.4):
 def friction_law(points, fit):
     """mu(I) and area fraction against I of homogeneous shear, with the fitted law."""
     fig, ((law, density),) = figure(2)
-    law.errorbar(points.inertial_number, points.stress_ratio, points.stress_ratio_error, fmt="o", ms=4, color=COLOURS["dem"], label="DEM, periodic shear")
+    law.errorbar(
+        points.inertial_number,
+        points.stress_ratio,
+        points.stress_ratio_error,
+        fmt="o",
+        ms=4,
+        color=COLOURS["dem"],
+        label="DEM, periodic shear",
+    )
     x = np.geomspace(float(points.inertial_number.min()) / 2, float(points.inertial_number.max()) * 1.5, 100)
     law.plot(x, fit.predict(x), color=COLOURS["fit"], label=r"$\mu_s + b\,I$")
     density.errorbar(points.inertial_number, points.area_fraction, points.area_fraction_error, fmt="o", ms=4, color=COLOURS["dem"])
@@ -106,7 +114,14 @@ def velocity_comparison(profiles, comparisons, exponential, wall_speed):
     depth = profiles.depth.values
     for place in axes[0]:
         place.errorbar(
-            depth, profiles.v_phi / wall_speed, profiles.v_phi_error / wall_speed, fmt="o", ms=4, color=COLOURS["dem"], label="DEM", zorder=5
+            depth,
+            profiles.v_phi / wall_speed,
+            profiles.v_phi_error / wall_speed,
+            fmt="o",
+            ms=4,
+            color=COLOURS["dem"],
+            label="DEM",
+            zorder=5,
         )
         for comparison in comparisons:
             place.plot(
@@ -137,7 +152,12 @@ def ring_fields(profiles, pressure):
     plain(rate, "inertial_number")
     rate.set(yscale="log", ylabel=label("inertial_number"))
     sigma, sigma_error = profiles.stress.values, profiles.stress_error.values
-    for (i, j), name in {(0, 0): r"$\sigma_{rr}$", (1, 1): r"$\sigma_{\phi\phi}$", (0, 1): r"$\sigma_{r\phi}$", (1, 0): r"$\sigma_{\phi r}$"}.items():
+    for (i, j), name in {
+        (0, 0): r"$\sigma_{rr}$",
+        (1, 1): r"$\sigma_{\phi\phi}$",
+        (0, 1): r"$\sigma_{r\phi}$",
+        (1, 0): r"$\sigma_{\phi r}$",
+    }.items():
         bars(stress, sigma[i, j], sigma_error[i, j], name, scale=pressure)
     stress.set(ylabel="stress / outer pressure", ylim=(0, None))
     plain(fabric, "fabric_trace")

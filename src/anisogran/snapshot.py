@@ -14,9 +14,9 @@ class Snapshot:
     position, velocity (N, d) in m, m/s; radius, mass (N,); spin (N,) in 2D, (N, 3) in 3D, 1/s; pairs (C, 2) of grain indices, where
     a contact of grain i with wall w is (i, -1 - w); force (C, d), the whole force on the first grain of the pair, N; point (C, d), the
     contact point, seen from the first grain in a periodic cell; overlap (C,), m. `fixed` (N,) marks the grains of a rough wall, which
-    count as wall in every average. `cell` is the matrix of lattice vectors (rows, (d, d)) of a periodic cell, else None; `volume`
-    the area (2D) or volume of the sample, by default that of the cell, or else of the bounding box of the grains; `time` in s. Raises InputError for shapes that do not fit and
-    for numbers that are not finite.
+    count as wall in every average. `cell` is the matrix of lattice vectors (rows, (d, d)) of a periodic cell, else None; `volume` the
+    area (2D) or volume of the sample, by default that of the cell, or else of the bounding box of the grains; `time` in s.
+    Raises InputError for shapes that do not fit and for numbers that are not finite.
     """
 
     position: np.ndarray

@@ -147,4 +147,3 @@ def test_periodic_cell_gives_its_volume():
     snapshot = Simulation(Grains([[1.0, 1.0]], [0.5]), Linear(1e3), boundary=Periodic(4.0, 3.0)).snapshot()
     assert snapshot.volume == pytest.approx(12.0)
     assert float(average(snapshot).area_fraction) == pytest.approx(np.pi * 0.25 / 12)
-

@@ -105,9 +105,7 @@ def test_thin_gap_is_plane_couette_flow():
     """Gap over radius 1e-3: v falls linearly to 1e-3 (curvature), and the stress is uniform."""
     flow = RingFlow(1000.0, 1001.0, LAW, 0.1, 1.0).solve()
     plane = 0.1 * (1001.0 - flow.r)
-    assert (
-        np.abs(flow.v_phi - plane).max() < 2.5e-3 * 0.1
-    )  # mu falls by 2e-3 across the gap, I = (mu - mu_s)/b = 0.1 by 2 % of itself
+    assert np.abs(flow.v_phi - plane).max() < 2.5e-3 * 0.1  # mu falls by 2e-3 across the gap, I = (mu - mu_s)/b = 0.1 by 2 % of itself
     plane_ratio = LAW.mu_s + LAW.b * 0.1
     assert flow.stress_ratio_wall == pytest.approx(plane_ratio, rel=2e-3)
 

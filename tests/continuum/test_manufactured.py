@@ -45,9 +45,7 @@ def errors(law, elements):
     load = np.zeros(space.size)
     end = np.array([2.0])
     load[space.at_end("u_r", outer=True)] = 2.0 * balance(law, SETTING, chosen(end, law), end)[2, 0]
-    equations = System(
-        space, lambda point, r: balance(law, SETTING, point, r) - given, lambda point: law.positive(point, SETTING), load
-    )
+    equations = System(space, lambda point, r: balance(law, SETTING, point, r) - given, lambda point: law.positive(point, SETTING), load)
     fixed = [space.at_end("u_r", outer=False)]
     fixed += [space.at_end(name, outer) for name in ("u_phi", "g") if name in law.fields for outer in (False, True)]
     exact = chosen(space.place, law)._asdict()

@@ -24,9 +24,7 @@ def test_torques_balance(flow):
 
 def test_shear_stress_falls_as_one_over_r_squared(flow):
     shear = flow.r**2 * flow.stress[0, 1]
-    np.testing.assert_allclose(
-        shear, shear.mean(), rtol=2e-2
-    )  # recovered: 1e-2 (local, 32 elements, at the edge), 5e-4 (nonlocal)
+    np.testing.assert_allclose(shear, shear.mean(), rtol=2e-2)  # recovered: 1e-2 (local, 32 elements, at the edge), 5e-4 (nonlocal)
     np.testing.assert_allclose(flow.stress[0, 0], 1.0, rtol=1e-9)
     np.testing.assert_allclose(flow.stress[1, 1], 1.0, rtol=1e-9)
     np.testing.assert_array_equal(flow.stress[0, 1], flow.stress[1, 0])

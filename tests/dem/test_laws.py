@@ -1,6 +1,7 @@
 """Contact laws against their closed forms, two grains at a time; the general tests run over every law in the list."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -102,7 +103,7 @@ def test_a_contact_cycle_never_makes_energy(rng):
     for law in (Linear(1.0).parameters(), Luding(0.3, 1.0, 0.5).parameters()):
         for _ in range(20):
             knots = np.concatenate([[0.0], rng.uniform(0.0, 1.0, 8), [0.0]])
-            path = np.concatenate([np.linspace(a, b, 2001)[1:] for a, b in zip(knots, knots[1:], strict=False)])
+            path = np.concatenate([np.linspace(a, b, 2001)[1:] for a, b in pairwise(knots)])
             largest, work, before, force_before = 0.0, 0.0, 0.0, 0.0
             for overlap in path:
                 force, _, largest = normal_force(law, overlap, 0.0, largest)

@@ -50,7 +50,9 @@ def test_a_split_run_is_the_straight_run(name, rng):
     grains, side = crowd(rng, origin=0.5 if name == "ring" else 0.0)
     runs = []
     for pieces in ([3000], [1, 1336, 7, 10, 646, 1000]):
-        sim = Simulation(grains, LAW, friction=FRICTION, boundary=BOUNDARIES[name](side), wall_friction=FRICTION if name == "ring" else None)
+        sim = Simulation(
+            grains, LAW, friction=FRICTION, boundary=BOUNDARIES[name](side), wall_friction=FRICTION if name == "ring" else None
+        )
         for steps in pieces:
             sim.run(steps)
         runs.append(sim)
@@ -158,7 +160,9 @@ def test_sheared_image_is_the_same_contact():
         state = Periodic(10.0, 10.0, shear_rate=0.1)
         position = np.array([[5.0, y + 0.45], [5.0, (y - 0.45) % 10.0]])
         velocity = np.stack([0.1 * (position[:, 1]), np.zeros(2)], axis=1)
-        sim = Simulation(Grains(position, [0.5, 0.5], mass=[1.0, 1.0], velocity=velocity), Linear(1e3, 5.0), friction=Friction(1e3, 0.5), boundary=state)
+        sim = Simulation(
+            Grains(position, [0.5, 0.5], mass=[1.0, 1.0], velocity=velocity), Linear(1e3, 5.0), friction=Friction(1e3, 0.5), boundary=state
+        )
         sim.run(1)
         force.append(sim.net_force[0])
     np.testing.assert_allclose(force[0], force[1], atol=1e-9)

@@ -48,9 +48,7 @@ def test_data_without_noise_pass(strain):
     result = relaxation(strain, curve(strain))
     assert result.verdict
     assert result.residuals["correlation_time"] == 1.0  # what the minimiser leaves is no noise and has no memory
-    assert result.values["beta"] == pytest.approx(
-        80.0, rel=1e-8
-    )  # tolerance of the minimiser 1e-12, square root of rounding in chi^2
+    assert result.values["beta"] == pytest.approx(80.0, rel=1e-8)  # tolerance of the minimiser 1e-12, square root of rounding in chi^2
 
 
 def test_all_zeros(strain):

@@ -23,10 +23,7 @@ def coverage(rng, rho, points, trials):
     noise = 0.02 * remembering_noise(rng, rho, (x.size, trials))
     fits = [relaxation(x, y + noise[:, i]) for i in range(trials)]
     assert all(fit.verdict for fit in fits)
-    inside = {
-        name: np.mean([low <= value <= high for low, high in (fit.interval(name) for fit in fits)])
-        for name, value in TRUTH.items()
-    }
+    inside = {name: np.mean([low <= value <= high for low, high in (fit.interval(name) for fit in fits)]) for name, value in TRUTH.items()}
     return inside, np.mean([fit.residuals["correlation_time"] for fit in fits])
 
 

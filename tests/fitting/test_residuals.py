@@ -34,3 +34,14 @@ def test_what_the_fit_has_taken_away_is_allowed_for(rng):
     left = noise - columns @ (columns.T @ noise)
     taus = [correlation_time(left[:, i], columns) for i in range(trials)]
     assert np.median(taus) == pytest.approx(12.3, rel=0.15)  # (1 + rho)/(1 - rho); median of 60 trials with a spread of 40 %: 6 %
+
+
+def test_a_smooth_misfit_is_no_endless_noise():
+    """Residuals of a law that is a little wrong: tau stays of the order of their wave length, so that errors of the order of the misfit
+    come out, not none at all."""
+    x = np.linspace(0.0, 1.0, 60)
+    misfit = np.sin(3 * np.pi * x) * (1 - x)
+    jacobian = np.stack([np.ones_like(x), x, x**2], axis=1)
+    misfit -= jacobian @ np.linalg.lstsq(jacobian, misfit, rcond=None)[0]
+    tau = correlation_time(misfit, jacobian)
+    assert 3 < tau < 20  # half a wave is 20 points

@@ -53,9 +53,7 @@ def test_turning_the_sample_turns_the_stress(E, A, B, G, phi_C, turn):
 @pytest.mark.parametrize("unit", [1e-3, 1e9])
 def test_a_change_of_unit_changes_nothing_else(unit):
     one = stiffness(2.0, 0.5, 0.8, 0.3, 0.4)
-    np.testing.assert_allclose(
-        stiffness(2 * unit, 0.5 * unit, 0.8 * unit, 0.3, 0.4 * unit) / unit, one, rtol=ROUNDING, atol=1e-15
-    )
+    np.testing.assert_allclose(stiffness(2 * unit, 0.5 * unit, 0.8 * unit, 0.3, 0.4 * unit) / unit, one, rtol=ROUNDING, atol=1e-15)
 
 
 def test_positive_definite_exactly_if_E_B_exceeds_A_squared():
@@ -90,9 +88,7 @@ def test_a_batch_equals_its_points_and_shapes_are_checked(rng):
     batch = stress_increment(eps, 2.0, A, 0.8, phi_C)
     assert stiffness(2.0, A, 0.8, phi_C).shape == (2, 2, 2, 2, 3, 4)
     for i, j in np.ndindex(3, 4):
-        np.testing.assert_allclose(
-            batch[:, :, i, j], stress_increment(eps[:, :, i, j], 2.0, A[j], 0.8, phi_C[i, 0]), atol=ROUNDING
-        )
+        np.testing.assert_allclose(batch[:, :, i, j], stress_increment(eps[:, :, i, j], 2.0, A[j], 0.8, phi_C[i, 0]), atol=ROUNDING)
     with pytest.raises(InputError, match=r"shape \(3, 3\)"):
         stress_increment(np.eye(3), 2.0, 0.5, 0.8)
 

@@ -46,9 +46,7 @@ def test_mobilised_angle_bounds_and_derivative():
 def test_macro_cohesion():
     assert macro_cohesion(180.0, 5e4, 1e5, 0.0) == 0.0
     assert macro_cohesion(180.0, 1e5, 1e5, 1e5) == 0.0
-    assert [macro_cohesion(1.0, 0.5, 1.0, kc) for kc in (0.5, 1, 2, 4)] == pytest.approx(
-        [1 / 6, 1 / 4, 1 / 3, 2 / 5], rel=ROUNDING
-    )
+    assert [macro_cohesion(1.0, 0.5, 1.0, kc) for kc in (0.5, 1, 2, 4)] == pytest.approx([1 / 6, 1 / 4, 1 / 3, 2 / 5], rel=ROUNDING)
     # the factor is the strongest attraction of the contact over k2 delta_max
     k1, k2, kc, delta_max = 3.0, 5.0, 2.0, 0.1
     delta_min = (k2 - k1) / (k2 + kc) * delta_max

@@ -39,9 +39,7 @@ def test_regularised_law_has_its_known_values_and_no_jump():
     assert np.all(np.diff(mu_regularised(creep, *LAW)) > 0)
 
 
-@pytest.mark.parametrize(
-    "law", [lambda I: mu_linear(I, 0.26, 1.0), lambda I: mu_of_I(I, *LAW), lambda I: mu_regularised(I, *LAW)]
-)
+@pytest.mark.parametrize("law", [lambda I: mu_linear(I, 0.26, 1.0), lambda I: mu_of_I(I, *LAW), lambda I: mu_regularised(I, *LAW)])
 def test_complex_step_is_the_slope(law):
     for I in (1e-4, 0.1, 10.0):
         h = 1e-6 * I

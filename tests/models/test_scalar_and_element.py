@@ -33,9 +33,7 @@ def test_the_tangent_is_that_of_the_step():
     for j in range(2):
         shift = h * np.eye(2)[j]
         difference = (scalar_step(state, step + shift, LAW)[1] - scalar_step(state, step - shift, LAW)[1]) / (2 * h)
-        np.testing.assert_allclose(
-            tangent[:, j], difference, rtol=1e-6
-        )  # rounding 1e-14/1e-8 of the stress, times stress/modulus
+        np.testing.assert_allclose(tangent[:, j], difference, rtol=1e-6)  # rounding 1e-14/1e-8 of the stress, times stress/modulus
 
 
 def test_a_batch_equals_its_points(rng):
@@ -76,9 +74,7 @@ def test_the_isobaric_path_of_constant_A_has_its_closed_form():
 def test_second_order_in_the_strain_step():
     steps = np.array([50, 100, 200, 400])
     exact = isobaric_biaxial(np.linspace(0, 0.01, 6401), PRESSURE, LAW)
-    errors = [
-        np.max(np.abs(isobaric_biaxial(np.linspace(0, 0.01, n + 1), PRESSURE, LAW).s_D - exact.s_D[:: 6400 // n])) for n in steps
-    ]
+    errors = [np.max(np.abs(isobaric_biaxial(np.linspace(0, 0.01, n + 1), PRESSURE, LAW).s_D - exact.s_D[:: 6400 // n])) for n in steps]
     order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert order == pytest.approx(2.0, abs=0.15)  # measured 2.05
 

@@ -176,8 +176,6 @@ def newton(system, x, free, history, limit):
                 break
             share *= 0.5
             if share < SHORTEST:
-                raise NotConverged(
-                    f"continuum: the line search stalls at a correction of {size:.1e}; more elements may help", history, x
-                )
+                raise NotConverged(f"continuum: the line search stalls at a correction of {size:.1e}; more elements may help", history, x)
         x, damping = trial, share
     raise NotConverged(f"continuum: no solution after {limit} iterations, last correction {history[-1]:.1e}", history, x)

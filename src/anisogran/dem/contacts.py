@@ -15,9 +15,7 @@ def pair_table(body, spin, pairs, normal, friction, boundary, largest, spring, o
     first = pairs.first[:used]
     second = pairs.second[:used]
     cell = lattice(boundary)
-    pair_forces(
-        body.x, body.y, body.vx, body.vy, spin, body.radius, first, second, normal, friction, cell, largest, spring, out, 0.0
-    )
+    pair_forces(body.x, body.y, body.vx, body.vy, spin, body.radius, first, second, normal, friction, cell, largest, spring, out, 0.0)
     branch = np.empty((used, 2))
     for k in range(used):
         i = first[k]

@@ -10,7 +10,7 @@ import numpy as np
 from anisogran.dem.boundaries import Open
 from anisogran.dem.contacts import contact_table
 from anisogran.dem.grains import Grains
-from anisogran.dem.neighbours import carry_over, empty_pair_list
+from anisogran.dem.neighbours import empty_pair_list
 from anisogran.dem.pairs import scratch
 from anisogran.dem.stepping import (
     DEEP_OVERLAP,
@@ -57,9 +57,7 @@ class Simulation:
     list. Raises InputError before the first step for anything that cannot be simulated.
     """
 
-    def __init__(
-        self, grains, normal, friction=None, boundary=None, wall_friction=None, drag=None, dt=None, skin=None, predecessor=None
-    ):
+    def __init__(self, grains, normal, friction=None, boundary=None, wall_friction=None, drag=None, dt=None, skin=None, predecessor=None):
         if not isinstance(grains, Grains):
             raise InputError(f"Simulation: grains = {grains!r} must be a dem.Grains record")
         boundary = Open() if boundary is None else boundary
@@ -236,7 +234,12 @@ class Simulation:
     def counters(self):
         """Steps, lists built, lists built late, pairs in the list: a dict of int."""
         counters = self._state.counters
-        return {"steps": self.step, "builds": int(counters.builds[0]), "late_builds": int(counters.late[0]), "pairs": int(counters.pairs[0])}
+        return {
+            "steps": self.step,
+            "builds": int(counters.builds[0]),
+            "late_builds": int(counters.late[0]),
+            "pairs": int(counters.pairs[0]),
+        }
 
     def active_effects(self):
         """Two lists of names: the effects this simulation is compiled for, and those it leaves out."""

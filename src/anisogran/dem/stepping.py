@@ -38,7 +38,7 @@ class Body(NamedTuple):
 
 
 class Counters(NamedTuple):
-    """What happened, each (1,): steps done, lists built, lists built late, pairs needed, the grain that a failure names; way of the walls."""
+    """What happened, each (1,): steps, lists built, lists built late, pairs needed, the grain that a failure names, way of the walls."""
 
     step: np.ndarray
     builds: np.ndarray

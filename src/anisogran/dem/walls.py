@@ -79,9 +79,7 @@ def add_wall_forces(boundary, body, spin, torque, wall_list, normal, friction, l
         boundary.force[:] = 0.0
         boundary.traction[:] = 0.0
         for k in range(wall_list.size[0]):
-            i, wall, overlap, nx, ny, fn, ft = wall_contact(
-                boundary, body, spin, k, wall_list, normal, friction, largest, spring, dt
-            )
+            i, wall, overlap, nx, ny, fn, ft = wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, spring, dt)
             if overlap > 0.0:
                 body.fx[i] -= fn * nx - ft * ny
                 body.fy[i] -= fn * ny + ft * nx

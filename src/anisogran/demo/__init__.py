@@ -1,4 +1,4 @@
-"""The main job: grains, averages, law, continuum and comparison in one go, with a report. Stands on all other rooms, below the command line."""
+"""The main job: grains, averages, law, continuum and comparison in one go, with a report. Only the command line stands above it."""
 
 from anisogran.demo.pipeline import DemoScene, Findings, run_demo
 from anisogran.demo.report import write_report

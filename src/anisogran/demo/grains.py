@@ -43,7 +43,9 @@ def cost(scene):
 
 
 def run_grains(jobs, progress):
-    """The Runs of all jobs (lists of experiments), each job in a process of its own; `progress(fractions)` is called several times a second.
+    """The Runs of all jobs (lists of experiments), each job in a process of its own.
+
+    `progress(fractions)` is called several times a second.
 
     Workers are spawned, not forked, since a fork after the compiler's threads have started can hang. An exception of a worker comes
     out here, and ends the others.

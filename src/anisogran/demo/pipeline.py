@@ -7,7 +7,16 @@ import numpy as np
 import xarray as xr
 
 from anisogran import fitting
-from anisogran.comparison import best_exponential, compare, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
+from anisogran.comparison import (
+    best_exponential,
+    compare,
+    decay_length,
+    decay_length_error,
+    equilibrium,
+    fitted_amplitude,
+    relative_l2,
+    ring_flow,
+)
 from anisogran.continuum import LocalMuI, Nonlocal
 from anisogran.dem import Friction, Luding
 from anisogran.demo.biaxial_law import biaxial_law

@@ -115,8 +115,8 @@ def ring(findings):
     yield heading("Ring shear cell: grains and continuum")
     yield picture(
         plots.velocity_comparison(profiles, findings.comparisons, findings.exponential, scene.wall_speed),
-        f"Azimuthal velocity, averaged over the same rings of 1 d; DEM error bars from {profiles.attrs['blocks']} blocks of {scene.block:g} d "
-        "of wall travel. mu_s and b come from the homogeneous tests; the nonlocal amplitude "
+        f"Azimuthal velocity, averaged over the same rings of 1 d; DEM error bars from {profiles.attrs['blocks']} blocks "
+        f"of {scene.block:g} d of wall travel. mu_s and b come from the homogeneous tests; the nonlocal amplitude "
         f"{n['nonlocal_amplitude']:.3g} was fitted on this very ring.",
     )
     rows = [
@@ -125,7 +125,9 @@ def ring(findings):
         for c in findings.comparisons
     ]  # fmt: skip
     reference = findings.comparisons[0]
-    rows.append(["grains (DEM)", "", reference.l2_noise, (n["decay_length_dem"], n["decay_length_dem_err"]), reference.stress_ratio_wall_dem, ""])
+    rows.append(
+        ["grains (DEM)", "", reference.l2_noise, (n["decay_length_dem"], n["decay_length_dem_err"]), reference.stress_ratio_wall_dem, ""]
+    )
     rows.append(["exponential", "2 parameters fitted on this ring", n["l2_exponential"], "", "", ""])
     yield table(["model", "law", "relative L2 of v_phi", "decay length [d]", "shear/normal stress at the inner ring", "iterations"], rows)
     yield paragraph(
@@ -135,7 +137,7 @@ def ring(findings):
     yield picture(
         plots.ring_fields(profiles, scene.pressure),
         f"Profiles of the grains. Equilibrium: the spread of r^2 sigma_rphi over the rings is {n['torque_residual']:.1%}; "
-        f"d(r sigma_rr)/dr differs from sigma_phiphi by {n['radial_residual']:.1%} of the pressure (rms; difference of neighbouring rings).",
+        f"d(r sigma_rr)/dr differs from sigma_phiphi by {n['radial_residual']:.1%} of the pressure (rms, neighbouring rings).",
     )
 
 

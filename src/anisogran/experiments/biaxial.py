@@ -65,9 +65,7 @@ class Biaxial(Experiment):
         speed = 2e-3 * side / math.sqrt(grains.mass.mean() / self.pressure)
         wall = Pressure(self.pressure, mass=0.05 * mass, damping=self.pressure * side / speed)
         drag = float(grains.mass.mean()) / (50 * shortest)
-        simulation = Simulation(
-            grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=STEP_SHARE * shortest
-        )
+        simulation = Simulation(grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=STEP_SHARE * shortest)
 
         def stress_error():
             _, right, _, top = simulation.walls.position

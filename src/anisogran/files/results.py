@@ -1,4 +1,4 @@
-"""Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units, and where they come from."""
+"""Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units."""
 
 import os
 from pathlib import Path

@@ -1,7 +1,7 @@
 """The boundaries, one file each, and the functions that the kernels specialise by the type of the boundary's state.
 
-A boundary gives: `advance` (one step of its own motion); if it has walls, `touch` (geometry of one wall contact); and, if periodic, `lattice` and
-`settle` (what is done before a new neighbour list).
+A boundary gives: `advance` (one step of its own motion); if it has walls, `touch` (geometry of one wall contact); and, if it is
+periodic, `lattice` and `settle` (what is done before a new neighbour list).
 A new boundary is one new file and one line in each table.
 """
 

@@ -1,8 +1,9 @@
-"""Luding's hysteretic contact: plastic loading k1, elastic un- and reloading k2, adhesive limit -kc (Luding, Granular Matter 10, 235, 2008).
+"""Luding's hysteretic contact: plastic loading k1, elastic un- and reloading k2, adhesive limit -kc.
 
 With the largest overlap d_max: f = k1 d while loading; f = k2 (d - d_0) while un- or reloading, d_0 = (1 - k1/k2) d_max; f = -kc d at the
 adhesive limit, met at d_min = (k2 - k1)/(k2 + kc) d_max. Unloading along the limit lowers d_max to d (k2 + kc)/(k2 - k1), so that a
 reloading starts from where the contact is; without this the force would jump back to the old branch and create energy.
+Luding, Granular Matter 10, 235 (2008); Singh, Magnanimo & Luding (2013) for the lowering of d_max.
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,109 @@
+"""The comparison on a made-up cell whose velocity is the continuum's own: then nothing may differ."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from anisogran import InputError, RingShear, compare
+from anisogran.comparison import best_exponential, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
+from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
+
+LAW = Nonlocal(mu_s=0.28, b=1.1, amplitude=0.7)
+EDGES = np.arange(6.0, 15.0)
+
+
+def made_up_run(noise=0.0, seed=0):
+    """A run whose rings hold the nonlocal flow (with noise), in perfect stress equilibrium."""
+    rng = np.random.default_rng(seed)
+    scene = RingShear(travel=100.0, discard=20.0)
+    grain_mass = np.pi / 6
+    flow = RingFlow(6.0, 15.0, LAW, scene.wall_speed, 1.0, grain_mass=grain_mass).solve()
+    r = 0.5 * (EDGES[1:] + EDGES[:-1])
+    exact = flow.ring_average(EDGES).v_phi
+    blocks = xr.Dataset({"v_phi": (("block", "r"), exact * (1 + noise * rng.normal(size=(8, r.size))))}, coords={"r": r})
+    shear = 0.45 * 36.0 / r**2
+    stress = np.array([[1.0 + 0 * r, shear], [shear, 1.0 + 0 * r]])
+    profiles = xr.Dataset(
+        {
+            "v_phi": ("r", blocks.v_phi.values.mean(axis=0)),
+            "v_phi_error": ("r", 0.01 * exact),
+            "stress": (("i", "j", "r"), stress),
+        },
+        coords={"r": r, "depth": ("r", r - 6.0)},
+        attrs={"ring_width": 1.0},
+    )
+    time = np.linspace(0, 2500, 11)
+    steady = {"outer_radius": 15.0, "outer_pressure": 1.0, "wall_shear_stress": 0.45, "wall_pressure": 1.0}
+    series = xr.Dataset({name: ("time", np.full(11, value)) for name, value in steady.items()}, coords={"time": time})
+    snapshot = SimpleNamespace(mass=np.full(5, grain_mass), free=np.ones(5, bool))
+    return SimpleNamespace(scene=scene, profiles=profiles, blocks=blocks, series=series, snapshots={"end": snapshot})
+
+
+def test_equal_flows_do_not_differ():
+    run = made_up_run()
+    comparison = compare(run, ring_flow(run, LAW).solve(), "nonlocal")
+    assert comparison.l2 < 1e-10
+    assert comparison.decay_length_continuum == pytest.approx(comparison.decay_length_dem, rel=1e-6)
+    assert comparison.l2_noise == pytest.approx(0.01, rel=1e-6)
+    assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate"}
+
+
+def test_local_law_is_told_apart():
+    run = made_up_run()
+    comparison = compare(run, ring_flow(run, LocalMuI(0.28, 1.1)).solve(), "local")
+    assert comparison.l2 > 0.5
+    assert np.isnan(comparison.decay_length_continuum)  # it stands still beyond its layer
+
+
+def test_amplitude_is_found_again():
+    amplitude, status = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b)
+    assert amplitude == pytest.approx(LAW.amplitude, rel=2e-3)  # the search stops at 1e-3 in its logarithm
+    assert status.level == "ok"
+    amplitude, status = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b, bounds=(0.1, 0.4))
+    assert status.level == "warned"
+    assert "lies at the bound" in str(status)
+
+
+def test_relative_l2_in_closed_form():
+    r = np.array([1.0, 3.0])
+    assert relative_l2(np.array([1.0, 1.0]), np.array([1.0, 2.0]), r) == pytest.approx(np.sqrt(3 / 13))
+
+
+def test_base_line_is_the_closest_exponential():
+    profiles = made_up_run().profiles
+    r, depth, v = profiles.r.values, profiles.depth.values, profiles.v_phi.values
+    best = relative_l2(best_exponential(profiles), v, r)
+    lengths, amplitudes = np.meshgrid(np.linspace(0.5, 3, 120), v[0] * np.linspace(1.0, 2.5, 120))
+    others = [relative_l2(a * np.exp(-depth / s), v, r) for s, a in zip(lengths.ravel(), amplitudes.ravel(), strict=True)]
+    assert best <= min(others) * (1 + 1e-9)
+
+
+def test_decay_length_uses_only_resolved_rings():
+    run = made_up_run()
+    exact = run.profiles.assign(v_phi=("r", 0.03 * np.exp(-run.profiles.depth.values / 1.3)))
+    exact["v_phi_error"] = ("r", np.where(exact.depth > 5, 1.0, 1e-4))
+    exact["v_phi"] = exact.v_phi.where(exact.depth < 5, 0.5)  # rubbish where the error says so
+    assert decay_length(exact, exact.v_phi.values).values["length"] == pytest.approx(1.3, rel=1e-4)  # the tolerance of the fit
+
+
+def test_error_of_the_decay_length_is_the_scatter_of_the_blocks():
+    assert decay_length_error(made_up_run()) < 1e-9
+    errors = [decay_length_error(made_up_run(noise=0.05, seed=seed)) for seed in range(10)]
+    assert 0.002 < np.mean(errors) < 0.1
+
+
+def test_equilibrium_of_an_exact_stress():
+    run = made_up_run()
+    residual = equilibrium(run.profiles)
+    assert residual["torque_residual"] < 1e-12
+    assert residual["radial_residual"] < 1e-12
+    bent = run.profiles.stress.values.copy()
+    bent[0, 0] *= 1 + 0.1 * run.profiles.r.values
+    assert equilibrium(run.profiles.assign(stress=(("i", "j", "r"), bent)))["radial_residual"] > 0.1
+
+
+def test_a_run_without_rings_is_refused():
+    with pytest.raises(InputError, match="no ring profiles"):
+        compare(SimpleNamespace(profiles=None), None)
