@@ -88,6 +88,15 @@ def test_decay_length_uses_only_resolved_rings():
     assert decay_length(exact, exact.v_phi.values).values["length"] == pytest.approx(1.3, rel=1e-4)  # the tolerance of the fit
 
 
+def test_a_run_of_one_block_is_compared_without_errors():
+    run = made_up_run()
+    run.profiles["v_phi_error"] = run.profiles.v_phi_error * np.nan
+    comparison = compare(run, ring_flow(run, LAW).solve())
+    assert comparison.l2 < 1e-10
+    assert np.isnan(comparison.l2_noise)
+    assert comparison.decay_length_dem == pytest.approx(1.4, abs=0.3)
+
+
 def test_error_of_the_decay_length_is_the_scatter_of_the_blocks():
     assert decay_length_error(made_up_run()) < 1e-9
     errors = [decay_length_error(made_up_run(noise=0.05, seed=seed)) for seed in range(10)]

@@ -1,6 +1,7 @@
 """Every script in data_generation/ and fits/ runs in its small version and gives numbers of the right size."""
 
 import importlib.util
+import re
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,33 @@ def test_biaxial_evolution(tmp_path, capsys):
     fits = script(ROOT / "fits" / "biaxial_evolution.py").main(path)
     assert 0.3 < fits["s_D"].values["s_max"] < 0.55
     assert fits["s_D"].values["beta"] > fits["anisotropy"].values["beta"] > 0  # structure lags behind stress
+
+
+def test_code_of_the_readme_runs(tmp_path, monkeypatch):
+    """As printed, only on fewer grains."""
+    monkeypatch.chdir(tmp_path)
+    script(ROOT / "data_generation" / "biaxial.py").main(["biaxial.h5", "--quick"])
+    text = (ROOT / "README.md").read_text()
+    smaller = {"travel=100.0": "grains=250, inner_radius=4.0, travel=6.0, discard=2.0, block=1.0", "grains=500": "grains=60"}
+    assert all(text.count(words) == 1 for words in smaller)
+    for words, fewer in smaller.items():
+        text = text.replace(words, fewer)
+    names = {}
+    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+    assert len(blocks) == 3
+    for block in blocks:
+        exec(block, names)
+    assert names["fit"].verdict
+    assert names["sim"].step == 1000
+    assert (tmp_path / "cohesion.h5").exists()
+
+
+def test_ci_runs_the_test_command_of_the_readme():
+    """.ci/run takes the first line of the README that names the environment of the tests."""
+    (line,) = (line for line in (ROOT / "README.md").read_text().splitlines() if "venv-test" in line)
+    assert line.startswith("python3 -m venv .venv-test && ")
+    assert line.endswith(".venv-test/bin/pytest")
+    assert "grep -m1 'venv-test' README.md" in (ROOT / ".ci" / "run").read_text()
 
 
 def test_every_script_is_tested():

@@ -42,19 +42,24 @@ def ring_edges(profiles):
 
 
 def resolved(profiles, factor=3.0):
-    """(rings,) bool: the rings where the velocity exceeds its error `factor` times, counted from the inner ring to the first that fails."""
-    clear = profiles.v_phi.values > factor * profiles.v_phi_error.values
+    """(rings,) bool: the rings where the velocity exceeds its error `factor` times, counted from the inner ring to the first that fails.
+
+    Without errors (a run of one block) it is the rings where the velocity has its sign.
+    """
+    error = profiles.v_phi_error.values
+    clear = profiles.v_phi.values > factor * np.where(np.isfinite(error), error, 0.0)
     return np.cumprod(clear).astype(bool)
 
 
 def decay_length(profiles, v_phi):
     """The FitResult of v = amplitude exp(-depth/length) to a velocity on the DEM's resolved rings; length in grain diameters.
 
-    Each ring counts by the DEM's relative error there, so that continuum and grains are judged alike.
+    Each ring counts by the DEM's relative error there, so that continuum and grains are judged alike; all count the same if it is
+    not known.
     """
     used = resolved(profiles)
     errors = np.abs(v_phi[used]) * (profiles.v_phi_error / profiles.v_phi).values[used]
-    return fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors)
+    return fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors if np.isfinite(errors).all() else None)
 
 
 def best_exponential(profiles):

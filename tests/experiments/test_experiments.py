@@ -120,7 +120,7 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
 
 def test_progress_is_reported():
     seen = []
-    SimpleShear(inertial_number=0.1, grains=60, strain=0.2, discard=0.1, samples_per_strain=50).run(progress=seen.append)
+    SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1, samples_per_strain=50).run(progress=seen.append)
     assert seen[-1] == 1.0
     assert all(b >= a for a, b in pairwise(seen))
 
@@ -133,6 +133,9 @@ def test_progress_is_reported():
         (lambda: Biaxial(grains=3), "Biaxial: grains = 3: Input should be greater than or equal to 20"),
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast': Input should be a valid number"),
         (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan"),
+        (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 40 \\+ 20, or there is nothing to average"),
+        (lambda: RingShear(grains=60), "grains = 60 fill a gap of 1.4 mean diameters; 4.5 are needed"),
+        (lambda: SimpleShear(strain=1.0), "strain = 1 must be at least discard \\+ 0.5 = 2"),
         (lambda: Biaxial(contact=Luding(2.0, 1.0)), "Luding: k2 = 1 must be at least 2"),
     ],
 )

@@ -28,6 +28,10 @@ class Experiment(BaseModel):
             first = error.errors()[0]
             key = ".".join(str(part) for part in first["loc"])
             raise InputError(f"{type(self).__name__}: {key} = {first['input']!r}: {first['msg']}") from None
+        self.check()
+
+    def check(self):
+        """Raises InputError where fields that are fine by themselves do not fit each other. Nothing to check here."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.equilibrium import relax
 from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
 from anisogran.glossary import CONVENTIONS, attributes
-from anisogran.outcome import Status
+from anisogran.outcome import InputError, Status
 
 LOOSE = 0.45  # area fraction of the random start
 PRESSED = 0.82  # about that under pressure; it sets how many discs the outer ring carries
@@ -55,6 +55,17 @@ class RingShear(Experiment):
     block: float = Field(20.0, gt=0, description="mean diameters of wall travel")
     samples_per_diameter: int = Field(20, ge=1)
     seed: int = Field(0, ge=0)
+
+    def check(self):
+        if self.travel < self.discard + self.block:
+            need = f"discard + block = {self.discard:g} + {self.block:g}"
+            raise InputError(f"RingShear: travel = {self.travel:g} must be at least {need}, or there is nothing to average")
+        # a disc of uniform radius with ratio q has the mean square (q^2 + q + 1) / (3 ((q + 1)/2)^2) of its mean radius
+        q, d = self.size_ratio, self.mean_diameter
+        area = self.grains * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
+        gap = math.sqrt(self.inner_radius**2 + area / (np.pi * PRESSED)) - self.inner_radius
+        if gap < 4.5 * d:
+            raise InputError(f"RingShear: grains = {self.grains} fill a gap of {gap / d:.1f} mean diameters; 4.5 are needed for profiles")
 
     def run(self, progress=None):
         """The Run: series over time, profiles over r with errors, snapshots "start" and "end". Raises RunFailed without equilibrium."""

@@ -16,7 +16,7 @@ from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
 from anisogran.glossary import CONVENTIONS, attributes
-from anisogran.outcome import Status
+from anisogran.outcome import InputError, Status
 
 LOOSE = 0.45  # area fraction of the random start
 DENSE = 0.84  # about that under pressure; the cell is as much too high at the start
@@ -41,6 +41,10 @@ class SimpleShear(Experiment):
     discard: float = Field(1.5, ge=0)
     samples_per_strain: int = Field(50, ge=5)
     seed: int = Field(0, ge=0)
+
+    def check(self):
+        if self.strain < self.discard + 0.5:
+            raise InputError(f"SimpleShear: strain = {self.strain:g} must be at least discard + 0.5 = {self.discard + 0.5:g}")
 
     def run(self, progress=None):
         """The Run: series over time with strain, stress, s_D, stress_ratio, area_fraction, fabric. Raises RunFailed if it blows up."""
