@@ -17,7 +17,7 @@ class Comparison:
     """Profiles of DEM and continuum on the same rings (`table`, over r) and what they differ by.
 
     l2 is the relative L2 difference of v_phi, l2_noise what the DEM's own error bars amount to in the same measure; decay lengths are
-    in grain diameters, from the same exponential fit on the same rings.
+    in grain diameters, from the same exponential fit on the same rings, NaN where nothing decays.
     """
 
     name: str
@@ -52,14 +52,18 @@ def resolved(profiles, factor=3.0):
 
 
 def decay_length(profiles, v_phi):
-    """The FitResult of v = amplitude exp(-depth/length) to a velocity on the DEM's resolved rings; length in grain diameters.
+    """Length of v = amplitude exp(-depth/length), in grain diameters, fitted to a velocity on the DEM's resolved rings.
 
     Each ring counts by the DEM's relative error there, so that continuum and grains are judged alike; all count the same if it is
-    not known.
+    not known. Rings at rest (below a thousandth of the first ring; what is left of a local law there is its regularisation) are left
+    out, and with fewer than three rings there is no length: NaN.
     """
-    used = resolved(profiles)
-    errors = np.abs(v_phi[used]) * (profiles.v_phi_error / profiles.v_phi).values[used]
-    return fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors if np.isfinite(errors).all() else None)
+    used = resolved(profiles) & (v_phi > 1e-3 * v_phi[0])
+    if np.count_nonzero(used) < 3:
+        return float("nan")
+    errors = v_phi[used] * (profiles.v_phi_error / profiles.v_phi).values[used]
+    fit = fitting.exponential_decay(profiles.depth.values[used], v_phi[used], errors if np.isfinite(errors).all() else None)
+    return fit.values["length"]
 
 
 def best_exponential(profiles):
@@ -70,7 +74,7 @@ def best_exponential(profiles):
 
 def decay_length_error(run):
     """Standard error of the DEM's decay length in grain diameters: the same fit to every block of the run, and their scatter."""
-    lengths = [decay_length(run.profiles, v_phi).values["length"] for v_phi in np.abs(run.blocks.v_phi.transpose("block", "r").values)]
+    lengths = [decay_length(run.profiles, v_phi) for v_phi in run.blocks.v_phi.transpose("block", "r").values]
     return float(np.std(lengths, ddof=1) / np.sqrt(len(lengths))) if len(lengths) > 1 else float("nan")
 
 
@@ -114,22 +118,11 @@ def compare(run, flow, name="continuum"):
         table=table,
         l2=relative_l2(v_phi, profiles.v_phi.values, r),
         l2_noise=float(np.sqrt(np.sum(r * profiles.v_phi_error.values**2) / np.sum(r * profiles.v_phi.values**2))),
-        decay_length_dem=decay_length(profiles, profiles.v_phi.values).values["length"],
-        decay_length_continuum=continuum_decay(profiles, v_phi),
+        decay_length_dem=decay_length(profiles, profiles.v_phi.values),
+        decay_length_continuum=decay_length(profiles, v_phi),
         stress_ratio_wall_dem=float(steady.wall_shear_stress.mean() / steady.wall_pressure.mean()),
         stress_ratio_wall_continuum=float(flow.stress_ratio_wall),
     )
-
-
-def continuum_decay(profiles, v_phi):
-    """The decay length of the continuum on the DEM's rings; NaN if it comes to rest within three rings, as a local law does.
-
-    At rest is below a thousandth of the velocity in the first ring; what is left of a local law there is its regularisation.
-    """
-    used = resolved(profiles)
-    if np.count_nonzero(v_phi[used] > 1e-3 * v_phi[0]) < 3:
-        return float("nan")
-    return decay_length(profiles, v_phi).values["length"]
 
 
 def equilibrium(profiles):

@@ -10,7 +10,6 @@ from anisogran import fitting
 from anisogran.comparison import (
     best_exponential,
     compare,
-    decay_length,
     decay_length_error,
     equilibrium,
     fitted_amplitude,
@@ -92,7 +91,6 @@ def run_demo(scene, progress):
     flows = {name: ring_flow(ring, constitutive).solve() for name, constitutive in laws.items()}
     comparisons = [compare(ring, flow, name) for name, flow in flows.items()]
     local, nonlocal_ = comparisons
-    decay = decay_length(ring.profiles, ring.profiles.v_phi.values)
     exponential = best_exponential(ring.profiles)
 
     s_D = law.fits["s_D"]
@@ -120,7 +118,7 @@ def run_demo(scene, progress):
         "b_err": friction.errors["b"],
         "mu_source": "periodic simple shear",
         "nonlocal_amplitude": amplitude,
-        "decay_length_dem": decay.values["length"],
+        "decay_length_dem": local.decay_length_dem,
         "decay_length_dem_err": decay_length_error(ring),
         "decay_length_continuum": nonlocal_.decay_length_continuum,
         "l2_local": local.l2,
