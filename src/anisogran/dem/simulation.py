@@ -100,6 +100,7 @@ class Simulation:
             out=scratch(),
             counters=Counters(*(np.zeros(1, np.int64) for _ in range(5)), np.zeros(1)),
         )
+        self._chunk = 100  # steps in one compiled call; adapted to the speed
         self._build(predecessor)
         self._force()
 
@@ -164,20 +165,19 @@ class Simulation:
         """
         s = self._state
         end = self.step + int(steps)
-        chunk = 100
         while self.step < end:
             begin, clock = self.step, time.perf_counter()
             code = run_steps(
                 s.body, s.spin, s.torque, s.inverse_inertia, s.pairs, s.wall_list, s.largest, s.spring, s.wall_largest, s.wall_spring,
                 s.normal, s.friction, s.wall_friction, s.drag, s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.out, s.counters,
-                self.dt, min(chunk, end - begin),
+                self.dt, min(self._chunk, end - begin),
             )  # fmt: skip
             if code == LIST_FULL:
                 self._make_room()
                 continue
             self._raise_unless_done(code)
             seconds = time.perf_counter() - clock
-            chunk = max(1, min(2 * chunk, int((self.step - begin) * 0.4 / seconds)))
+            self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.4 / seconds)))
 
     def next_stage(self, **changes):
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.

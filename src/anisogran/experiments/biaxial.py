@@ -8,15 +8,13 @@ begins; no background damping acts while loading.
 import math
 
 import numpy as np
-import xarray as xr
 from pydantic import Field
 
 from anisogran.averaging import average_box
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation, collision_time
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.equilibrium import relax
-from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
-from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
 from anisogran.outcome import Status
 
 LOOSE = 0.45  # area fraction of the random start
@@ -101,12 +99,7 @@ class Biaxial(Experiment):
                 peak, snapshots["peak"] = row["s_D"], snapshot
             watch.progress(0.1 + 0.9 * k / self.samples)
         snapshots["end"] = snapshot
-        time = ("time", [row.pop("time") for row in rows], attributes("time"))
-        series = xr.Dataset(
-            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
-            coords={"time": time},
-            attrs={"conventions": CONVENTIONS, "experiment": "biaxial"},
-        )
+        series = labelled_series(rows, "biaxial")
         return Run(self, series, None, None, snapshots, self.judge(series, simulation), provenance(self, watch, simulation))
 
     def measure(self, simulation, snapshot, width, height):

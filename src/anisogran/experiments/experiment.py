@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 import anisogran
 from anisogran.files import save_results, snapshot_dataset
+from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status
 
 PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
@@ -76,6 +77,12 @@ class Watch:
         if compiled:
             self.seconds += time.perf_counter() - clock
         self.grain_steps += steps * len(simulation.grains) if compiled else 1
+
+
+def labelled_series(rows, experiment):
+    """The rows (dicts with the same keys, one of them "time") as a Dataset over time, with units and meanings from the glossary."""
+    columns = {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]}
+    return xr.Dataset(columns, attrs={"conventions": CONVENTIONS, "experiment": experiment}).set_coords("time")
 
 
 def provenance(scene, watch, simulation):

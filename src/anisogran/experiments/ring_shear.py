@@ -17,8 +17,8 @@ from anisogran.averaging import drift, mean_and_error, ring_densities, ring_prof
 from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation, collision_time
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.equilibrium import relax
-from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
-from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
+from anisogran.glossary import attributes
 from anisogran.outcome import InputError, Status
 
 LOOSE = 0.45  # area fraction of the random start
@@ -145,12 +145,7 @@ class RingShear(Experiment):
         blocks = xr.concat(blocks, "block")
         profiles = mean_and_error(blocks)
         profiles = profiles.assign_coords(depth=("r", (profiles.r.values - self.inner_radius) / d, attributes("depth")))
-        time = ("time", [row.pop("time") for row in rows], attributes("time"))
-        series = xr.Dataset(
-            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
-            coords={"time": time},
-            attrs={"conventions": CONVENTIONS, "experiment": "ring_shear"},
-        )
+        series = labelled_series(rows, "ring_shear")
         status = self.judge(blocks, series, simulation)
         return Run(self, series, profiles, blocks, snapshots, status, provenance(self, watch, simulation))
 

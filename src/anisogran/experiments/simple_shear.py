@@ -14,8 +14,7 @@ from anisogran import tensors
 from anisogran.averaging import average_box, drift, mean_and_error
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation, collision_time
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, provenance
-from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
 from anisogran.outcome import InputError, Status
 
 LOOSE = 0.45  # area fraction of the random start
@@ -90,12 +89,7 @@ class SimpleShear(Experiment):
             snapshot = simulation.snapshot()
             rows.append(self.measure(simulation, snapshot, rate))
             watch.progress(k / samples)
-        time = ("time", [row.pop("time") for row in rows], attributes("time"))
-        series = xr.Dataset(
-            {name: ("time", [row[name] for row in rows], attributes(name)) for name in rows[0]},
-            coords={"time": time},
-            attrs={"conventions": CONVENTIONS, "experiment": "simple_shear"},
-        )
+        series = labelled_series(rows, "simple_shear")
         moved = drift(blocks_of(self.steady(series)).stress_ratio)
         status = Status()
         if abs(moved) > 4:
