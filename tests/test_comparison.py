@@ -47,6 +47,7 @@ def test_equal_flows_do_not_differ():
     assert comparison.l2 < 1e-10
     assert comparison.decay_length_continuum == pytest.approx(comparison.decay_length_dem, rel=1e-6)
     assert comparison.l2_noise == pytest.approx(0.01, rel=1e-6)
+    assert comparison.log_rms < 1e-10
     assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate"}
 
 
@@ -69,6 +70,15 @@ def test_amplitude_is_found_again():
 def test_relative_l2_in_closed_form():
     r = np.array([1.0, 3.0])
     assert relative_l2(np.array([1.0, 1.0]), np.array([1.0, 2.0]), r) == pytest.approx(np.sqrt(3 / 13))
+
+
+def test_log_rms_in_closed_form():
+    profiles = made_up_run().profiles
+    v = profiles.v_phi.values
+    assert log_rms(profiles, v * np.exp(0.3)) == pytest.approx(0.3)
+    assert log_rms(profiles, np.zeros_like(v)) == np.inf
+    profiles["v_phi_error"] = ("r", np.where(profiles.depth > 3, 1.0, 1e-6))  # what is not resolved does not count
+    assert log_rms(profiles, np.where(profiles.depth > 3, -1.0, v)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_base_line_is_the_closest_exponential():

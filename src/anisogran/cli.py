@@ -3,6 +3,7 @@
 import contextlib
 import itertools
 import json
+import math
 import os
 import sys
 import tempfile
@@ -143,8 +144,8 @@ def check_writable(path):
 
 
 def write_json(path, numbers):
-    """The numbers as JSON, replaced in one go; NaN, which JSON does not know, becomes null."""
-    plain = {key: None if isinstance(value, float) and value != value else value for key, value in numbers.items()}
+    """The numbers as JSON, replaced in one go; NaN and infinity, which JSON does not know, become null."""
+    plain = {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in numbers.items()}
     temporary = Path(f"{path}.tmp")
     temporary.write_text(json.dumps(plain, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     os.replace(temporary, path)

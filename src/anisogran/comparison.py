@@ -16,7 +16,8 @@ from anisogran.outcome import InputError, Status
 class Comparison:
     """Profiles of DEM and continuum on the same rings (`table`, over r) and what they differ by.
 
-    l2 is the relative L2 difference of v_phi, l2_noise what the DEM's own error bars amount to in the same measure; decay lengths are
+    l2 is the relative L2 difference of v_phi, l2_noise what the DEM's own error bars amount to in the same measure; log_rms the root mean square
+    difference of ln v_phi on the resolved rings, infinite for a continuum at rest there; decay lengths are
     in grain diameters, from the same exponential fit on the same rings, NaN where nothing decays.
     """
 
@@ -24,6 +25,7 @@ class Comparison:
     table: xr.Dataset
     l2: float
     l2_noise: float
+    log_rms: float
     decay_length_dem: float
     decay_length_continuum: float
     stress_ratio_wall_dem: float
@@ -33,6 +35,14 @@ class Comparison:
 def relative_l2(profile, reference, r):
     """sqrt(sum r (profile - reference)^2 / sum r reference^2): the relative difference over the area of the rings."""
     return float(np.sqrt(np.sum(r * (profile - reference) ** 2) / np.sum(r * reference**2)))
+
+
+def log_rms(profiles, v_phi):
+    """Root mean square difference of ln v between a velocity and the DEM's, on its resolved rings; infinite if it is not positive there."""
+    used = resolved(profiles)
+    if not np.all(v_phi[used] > 0):
+        return float("inf")
+    return float(np.sqrt(np.mean(np.log(v_phi[used] / profiles.v_phi.values[used]) ** 2)))
 
 
 def ring_edges(profiles):
@@ -118,6 +128,7 @@ def compare(run, flow, name="continuum"):
         table=table,
         l2=relative_l2(v_phi, profiles.v_phi.values, r),
         l2_noise=float(np.sqrt(np.sum(r * profiles.v_phi_error.values**2) / np.sum(r * profiles.v_phi.values**2))),
+        log_rms=log_rms(profiles, v_phi),
         decay_length_dem=decay_length(profiles, profiles.v_phi.values),
         decay_length_continuum=decay_length(profiles, v_phi),
         stress_ratio_wall_dem=float(steady.wall_shear_stress.mean() / steady.wall_pressure.mean()),

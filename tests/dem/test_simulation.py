@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pytest
 
-from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Ring, Simulation
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Open, Periodic, Pressure, Ring, Simulation
 from anisogran.dem.boundaries import periodic
 from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.neighbours import empty_pair_list, find_pairs
@@ -94,8 +94,8 @@ def test_rigid_rotation_turns_all_forces(rng):
     sim.run(20)
     angle = 0.7
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    plain = sim.next_stage()
-    turned = sim.next_stage(velocity=sim.velocity @ turn.T, position=sim.position @ turn.T)
+    plain = sim.next_stage(Open())
+    turned = sim.next_stage(Open(), velocity=sim.velocity @ turn.T, position=sim.position @ turn.T)
     assert np.abs(plain.torque).max() > 0
     scale = np.abs(plain.net_force).max()
     np.testing.assert_allclose(turned.net_force, plain.net_force @ turn.T, atol=1e-10 * scale)  # rounding of positions times stiffness

@@ -179,16 +179,16 @@ class Simulation:
             seconds = time.perf_counter() - clock
             self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.4 / seconds)))
 
-    def next_stage(self, **changes):
+    def next_stage(self, boundary, **changes):
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.
 
-        Contact memory (largest overlap, tangential spring) is kept where both stages have the effect. `position` and `velocity`
-        may be given anew.
+        The boundary is always given, with its walls where they are now. Contact memory (largest overlap, tangential spring) is kept
+        where both stages have the effect. `position` and `velocity` may be given anew.
         """
         position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
         grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin, mass=self.grains.mass)
-        arguments = {**self.effects, "boundary": self.boundary, "dt": self.dt, "skin": self._state.skin, **changes}
-        return Simulation(grains, predecessor=self, **arguments)
+        arguments = {**self.effects, "dt": self.dt, "skin": self._state.skin, **changes}
+        return Simulation(grains, boundary=boundary, predecessor=self, **arguments)
 
     @property
     def step(self):

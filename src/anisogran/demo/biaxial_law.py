@@ -93,11 +93,11 @@ def scalar_law(series, pressure, fits, response):
     s_D, anisotropy = fits["s_D"].values, fits["anisotropy"].values
     E, B = response["E"], response["B"]
     if not np.all(np.isfinite([E, B])):
-        return None, "not drawn, since the response does not determine E and B"
+        return None, ", not drawn, since the response does not determine E and B"
     parameters = ScalarParameters(E=E, B=B, s_max=s_D["s_max"], A_max=0.5 * E * anisotropy["s_max"], beta_F=anisotropy["beta"])
     last = series.eps_zz.values[series.eps_D.values <= fits["s_D"].x_range[1]].max()
     try:
         element = isobaric_biaxial(np.linspace(0.0, last, 300), pressure, parameters)
     except InputError as error:
-        return None, f"not drawn: {error}"
-    return element, "" if element.status.level == "ok" else str(element.status)
+        return None, f", not drawn: {error}"
+    return element, "" if element.status.level == "ok" else f", {element.status}"

@@ -13,6 +13,7 @@ from anisogran.comparison import (
     decay_length_error,
     equilibrium,
     fitted_amplitude,
+    log_rms,
     relative_l2,
     ring_flow,
 )
@@ -125,6 +126,9 @@ def run_demo(scene, progress):
         "l2_nonlocal": nonlocal_.l2,
         "l2_exponential": relative_l2(exponential, ring.profiles.v_phi.values, ring.profiles.r.values),
         "l2_noise": local.l2_noise,
+        "log_rms_local": local.log_rms,
+        "log_rms_nonlocal": nonlocal_.log_rms,
+        "log_rms_exponential": log_rms(ring.profiles, exponential),
         "stress_ratio_wall_dem": local.stress_ratio_wall_dem,
         "stress_ratio_wall_local": local.stress_ratio_wall_continuum,
         "stress_ratio_wall_nonlocal": nonlocal_.stress_ratio_wall_continuum,

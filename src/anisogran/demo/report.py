@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +79,7 @@ def law(findings):
         plots.biaxial_curves(findings.biaxial.series, found.fits, found.element),
         f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.grains}, friction {scene.friction.mu:g}. Exponential laws "
         "s = s_max - (s_max - s_0) exp(-beta eps_D), fitted up to the peak; the dashed line marks where the fit ends. "
-        f"Scalar law with E and B of the response and A = E a_2/2 of the fabric {found.element_remark}; its critical state is isochoric, "
+        f"Scalar law with E and B of the response and A = E a_2/2 of the fabric{found.element_remark}; its critical state is isochoric, "
         "so it cannot follow the dilation at the peak.",
     )
     rows = []
@@ -105,8 +106,13 @@ def law(findings):
     yield picture(
         plots.friction_law(findings.shear, findings.friction),
         f"Homogeneous simple shear in a periodic cell, {findings.shear.sizes['test']} runs: the friction law that the continuum gets. "
-        f"{findings.friction.verdict}.",
+        f"Fit: {findings.friction.verdict}.",
     )
+
+
+def parameters(law):
+    """The parameters of a law to four digits, such as "mu_s = 0.2814, b = 1.085"."""
+    return ", ".join(f"{key} = {number(value)}" for key, value in asdict(law).items() if value is not None)
 
 
 def ring(findings):
@@ -120,7 +126,7 @@ def ring(findings):
         f"{n['nonlocal_amplitude']:.3g} was fitted on this very ring.",
     )
     rows = [
-        [c.name, str(findings.flows[c.name].problem.law), c.l2, c.decay_length_continuum, c.stress_ratio_wall_continuum,
+        [c.name, parameters(findings.flows[c.name].problem.law), c.l2, c.log_rms, c.decay_length_continuum, c.stress_ratio_wall_continuum,
          f"{findings.flows[c.name].iterations} in {findings.flows[c.name].seconds:.3f} s"]
         for c in findings.comparisons
     ]  # fmt: skip
@@ -128,10 +134,22 @@ def ring(findings):
     rows.append(
         ["grains (DEM)", "", reference.l2_noise, (n["decay_length_dem"], n["decay_length_dem_err"]), reference.stress_ratio_wall_dem, ""]
     )
-    rows.append(["exponential", "2 parameters fitted on this ring", n["l2_exponential"], "", "", ""])
-    yield table(["model", "law", "relative L2 of v_phi", "decay length [d]", "shear/normal stress at the inner ring", "iterations"], rows)
+    rows.append(["exponential", "2 parameters fitted on this ring", n["l2_exponential"], n["log_rms_exponential"], "", "", ""])
+    yield table(
+        [
+            "model",
+            "law",
+            "relative L2 of v_phi",
+            "rms of ln v_phi",
+            "decay length [d]",
+            "shear/normal stress at the inner ring",
+            "iterations",
+        ],
+        rows,
+    )
     yield paragraph(
-        "The row of the grains gives what their own error bars amount to. The local law has no creep: beyond the radius where the "
+        "The row of the grains gives what their own error bars amount to. L2 weighs the fast rings, the logarithm all rings whose velocity "
+        "is three times its error. The local law has no creep: beyond the radius where the "
         "stress ratio falls to mu_s it stands still, so it must fail in a slow cell."
     )
     yield picture(
@@ -143,11 +161,12 @@ def ring(findings):
 
 def provenance(findings):
     yield heading("Where this comes from")
-    rows = []
-    for name, run in (("ring shear cell", findings.ring), ("biaxial box", findings.biaxial)):
-        for key, value in run.provenance.items():
-            rows.append([name, key, f"{value:.4g}" if isinstance(value, float) else str(value)])
-    yield table(["run", "key", "value"], rows)
+    ring, biaxial = findings.ring.provenance, findings.biaxial.provenance
+
+    def text(value):
+        return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+    yield table(["key", "ring shear cell", "biaxial box"], [[key, text(ring[key]), text(biaxial[key])] for key in ring])
     yield paragraph(f"anisogran {anisogran.__version__}. Conventions: {CONVENTIONS}.")
 
 
