@@ -7,7 +7,16 @@ import pytest
 import xarray as xr
 
 from anisogran import InputError, RingShear, compare
-from anisogran.comparison import best_exponential, decay_length, decay_length_error, equilibrium, fitted_amplitude, relative_l2, ring_flow
+from anisogran.comparison import (
+    best_exponential,
+    decay_length,
+    decay_length_error,
+    equilibrium,
+    fitted_amplitude,
+    log_rms,
+    relative_l2,
+    ring_flow,
+)
 from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
 
 LAW = Nonlocal(mu_s=0.28, b=1.1, amplitude=0.7)

@@ -16,9 +16,9 @@ from anisogran.outcome import InputError, Status
 class Comparison:
     """Profiles of DEM and continuum on the same rings (`table`, over r) and what they differ by.
 
-    l2 is the relative L2 difference of v_phi, l2_noise what the DEM's own error bars amount to in the same measure; log_rms the root mean square
-    difference of ln v_phi on the resolved rings, infinite for a continuum at rest there; decay lengths are
-    in grain diameters, from the same exponential fit on the same rings, NaN where nothing decays.
+    l2 is the relative L2 difference of v_phi, l2_noise what the DEM's own error bars amount to in the same measure; log_rms the root
+    mean square difference of ln v_phi on the resolved rings, infinite for a continuum at rest there; decay lengths are in grain
+    diameters, from the same exponential fit on the same rings, NaN where nothing decays.
     """
 
     name: str

@@ -8,7 +8,7 @@ STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.3rem; margin-top: 2.4rem; border-bottom: 1px solid #ccc; }
 table { border-collapse: collapse; margin: 1rem 0; } td, th { padding: .25rem .8rem; border-bottom: 1px solid #e3e3e3; text-align: left; }
-th { background: #f5f3ee; } 
+th { background: #f5f3ee; }
 td.number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; } td.long { overflow-wrap: anywhere; }
 figure { margin: 1.2rem 0; } img { max-width: 100%; } figcaption { color: #555; font-size: .9rem; }
 .warning { background: #fff4e0; border-left: 4px solid #d98e04; padding: .5rem 1rem; }

@@ -142,7 +142,7 @@ def ring(findings):
             "relative L2 of v_phi",
             "rms of ln v_phi",
             "decay length [d]",
-            "shear/normal stress at the inner ring",
+            "stress ratio at the inner ring",
             "iterations",
         ],
         rows,
