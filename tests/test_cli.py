@@ -88,14 +88,6 @@ def test_numbered_folders_count_up(tmp_path, monkeypatch):
     assert cli.numbered_folder("demo").name == "demo-003"
 
 
-def test_json_has_no_nan_and_is_replaced_whole(tmp_path):
-    path = tmp_path / "numbers.json"
-    path.write_text("old")
-    cli.write_json(path, {"a": 1.5, "b": float("nan")})
-    assert path.read_text() == '{\n  "a": 1.5,\n  "b": null\n}\n'
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_help_is_light_and_is_what_a_bare_call_shows():
     code = "import sys; from anisogran.cli import main\ntry: main([])\nexcept SystemExit as end: code = end.code\nprint(code, *sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

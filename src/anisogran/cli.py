@@ -2,9 +2,6 @@
 
 import contextlib
 import itertools
-import json
-import math
-import os
 import sys
 import tempfile
 import time
@@ -49,6 +46,8 @@ def demo(
             raise Interrupted("interrupted; nothing was written") from None
         raise
     if json_file is not None:
+        from anisogran.files import write_json
+
         write_json(json_file, findings.numbers)
     summarise(findings, folder)
 
@@ -141,14 +140,6 @@ def check_writable(path):
         raise InputError(f"--json {path}: cannot be written ({error.strerror})") from None
     if path.is_dir():
         raise InputError(f"--json {path}: is a folder")
-
-
-def write_json(path, numbers):
-    """The numbers as JSON, replaced in one go; NaN and infinity, which JSON does not know, become null."""
-    plain = {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in numbers.items()}
-    temporary = Path(f"{path}.tmp")
-    temporary.write_text(json.dumps(plain, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    os.replace(temporary, path)
 
 
 def main(arguments=None):

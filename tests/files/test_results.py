@@ -5,7 +5,7 @@ import xarray as xr
 
 from anisogran import InputError
 from anisogran import open as open_results
-from anisogran.files import save_results, snapshot_dataset
+from anisogran.files import save_results, snapshot_dataset, write_json
 from anisogran.snapshot import Snapshot
 
 
@@ -49,3 +49,11 @@ def test_unreadable_files_get_one_line(tmp_path):
         with pytest.raises(InputError, match=path.name) as caught:
             open_results(path)
         assert "\n" not in str(caught.value)
+
+
+def test_json_has_no_nan_and_is_replaced_whole(tmp_path):
+    path = tmp_path / "numbers.json"
+    path.write_text("old")
+    write_json(path, {"a": 1.5, "b": float("nan")})
+    assert path.read_text() == '{\n  "a": 1.5,\n  "b": null\n}\n'
+    assert list(tmp_path.iterdir()) == [path]

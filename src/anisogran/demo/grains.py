@@ -1,10 +1,11 @@
 """The particle runs of the demo: the ring in one process, the biaxial box and the homogeneous shear tests in another."""
 
 import multiprocessing
-import time
 from concurrent.futures import ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 
 from anisogran.experiments import Biaxial, RingShear, SimpleShear
+from anisogran.outcome import RunFailed
 
 _shares = None  # in a worker: progress of each job between 0 and 1, shared with the parent
 
@@ -51,6 +52,7 @@ def run_grains(jobs, progress):
     out here, and ends the others.
     """
     context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
     shares = context.Array("d", len(jobs), lock=False)
     with ProcessPoolExecutor(len(jobs), mp_context=context, initializer=_adopt, initargs=(shares,)) as pool:
         futures = [pool.submit(_run_all, k, scenes, [cost(scene) for scene in scenes]) for k, scenes in enumerate(jobs)]
@@ -61,9 +63,11 @@ def run_grains(jobs, progress):
                 finished, pending = wait(pending, timeout=0.2, return_when="FIRST_EXCEPTION")
                 for future in finished:
                     future.result()
-        except BaseException:
-            for process in list(pool._processes.values()):
-                process.terminate()
+        except BaseException as error:
+            for worker in set(multiprocessing.active_children()) - others:
+                worker.terminate()
+            if isinstance(error, BrokenProcessPool):
+                raise RunFailed("a worker process died; was it out of memory, or ended by hand?") from None
             raise
     return [future.result() for future in futures]
 
@@ -75,10 +79,3 @@ def demo_jobs(scene):
         for inertial in scene.inertial_numbers
     ]
     return [[scene.ring.model_copy(update={"seed": scene.seed})], [scene.biaxial.model_copy(update={"seed": scene.seed}), *shear_tests]]
-
-
-def timed(function, *arguments):
-    """The value of a call and the seconds it took."""
-    clock = time.perf_counter()
-    value = function(*arguments)
-    return value, time.perf_counter() - clock

@@ -1,6 +1,5 @@
 """The report of the demo: report.html for people, results.h5 for programs. Every number in it was computed by this run."""
 
-import json
 import os
 from dataclasses import asdict
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 import anisogran
 from anisogran import plots
 from anisogran.demo.page import heading, number, page, paragraph, picture, table
-from anisogran.files import save_results
+from anisogran.files import json_text, save_results
 from anisogran.glossary import CONVENTIONS
 
 
@@ -21,7 +20,7 @@ def write_report(findings, folder):
     temporary = folder / "report.html.tmp"
     temporary.write_text(page("anisogran demo: from grains to the continuum and back", parts), encoding="utf-8")
     os.replace(temporary, folder / "report.html")
-    save_results(folder / "results.h5", datasets(findings), {"numbers": json.dumps(findings.numbers), "seed": findings.scene.seed})
+    save_results(folder / "results.h5", datasets(findings), {"numbers": json_text(findings.numbers), "seed": findings.scene.seed})
 
 
 def summary(findings):

@@ -123,7 +123,7 @@ class RingShear(Experiment):
         d = self.mean_diameter
         outer = self.outer_radius(prepared)
         boundary = replace(prepared.boundary, radius=outer + 0.5 * d, omega=self.wall_speed / self.inner_radius)
-        simulation = prepared.next_stage(boundary=boundary, friction=self.friction, wall_friction=self.friction, drag=None)
+        simulation = prepared.next_stage(boundary=boundary, friction=self.friction, drag=None)
         edges = self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1)
         between = max(1, round(d / self.wall_speed / self.samples_per_diameter / simulation.dt))
         samples = round(self.travel * self.samples_per_diameter)
@@ -154,7 +154,7 @@ class RingShear(Experiment):
         return float(simulation.walls.position[0]) - 0.5 * self.mean_diameter
 
     def measure(self, simulation):
-        """One row of the series, from the forces on the discs of both rings (and on the smooth wall behind the outer one)."""
+        """One row of the series, from the forces on the discs of both rings."""
         x, y = simulation.position[self.grains :].T
         fx, fy = simulation.net_force[self.grains :].T
         distance = np.hypot(x, y)
@@ -163,14 +163,13 @@ class RingShear(Experiment):
         inner, outer = np.split(np.arange(len(x)), [simulation.boundary.inner])
         walls, outer_radius = simulation.walls, self.outer_radius(simulation)
         length = 2 * math.pi * np.array([self.inner_radius, outer_radius])
-        outer_torque = torque[outer].sum() + walls.traction[0] * walls.position[0]
         return {
             "time": simulation.time,
             "wall_shear_stress": float(-torque[inner].sum() / (self.inner_radius * length[0])),
             "wall_pressure": float(-radial[inner].sum() / length[0]),
             "outer_radius": outer_radius,
             "outer_pressure": float(radial[outer].sum() + walls.force[0]) / (2 * math.pi * float(walls.position[0])),
-            "outer_shear_stress": float(outer_torque / (outer_radius * length[1])),
+            "outer_shear_stress": float(torque[outer].sum() / (outer_radius * length[1])),
             "kinetic_energy": simulation.kinetic_energy(),
         }
 
