@@ -32,6 +32,14 @@ def test_biaxial_evolution(tmp_path, capsys):
     assert fits["s_D"].values["beta"] > fits["anisotropy"].values["beta"] > 0  # structure lags behind stress
 
 
+def test_accuracy_cost(tmp_path, capsys):
+    tables = script(ROOT / "data_generation" / "accuracy_cost.py").main([str(tmp_path / "cost.h5"), "--quick"])
+    steps, elements = tables["steps_per_collision"], tables["elements"]
+    assert steps[10][0] / steps[20][0] == pytest.approx(2.0, abs=0.5)  # first order with a dashpot
+    assert elements[16][0] / elements[32][0] == pytest.approx(8.0, abs=3.0)  # third order
+    assert all(seconds > 0 for table in tables.values() for _, seconds in table.values())
+
+
 def test_code_of_the_readme_runs(tmp_path, monkeypatch):
     """As printed, only on fewer grains."""
     monkeypatch.chdir(tmp_path)
