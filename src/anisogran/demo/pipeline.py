@@ -27,16 +27,16 @@ from anisogran.experiments.simple_shear import steady_state
 
 @dataclass(frozen=True)
 class DemoScene:
-    """Sizes of the demo. The default takes about a minute and a half on two cores; `small()` a few seconds, for tests."""
+    """Sizes of the demo. The default takes about a minute on two cores; `small()` a few seconds, for tests."""
 
     seed: int = 1
     biaxial: Biaxial = field(
         default_factory=lambda: Biaxial(
-            grains=1000, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.12, duration=0.3
+            grains=1000, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.12, duration=0.25
         )
     )
-    ring: RingShear = field(default_factory=lambda: RingShear(travel=200.0))
-    inertial_numbers: tuple = tuple(np.geomspace(0.005, 0.1, 12).round(5))
+    ring: RingShear = field(default_factory=lambda: RingShear(travel=180.0))
+    inertial_numbers: tuple = tuple(np.geomspace(0.006, 0.12, 12).round(5))
     shear_grains: int = 400
     shear_strain: float = 4.0
 
