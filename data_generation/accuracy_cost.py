@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 import anisogran as ag
-from anisogran.files import save_results
+from anisogran.files import check_writable, save_results
 
 STEPS_PER_COLLISION = (10, 20, 50, 100, 200)
 ELEMENTS = (16, 32, 64, 128, 256)
@@ -58,6 +58,7 @@ def main(arguments=None):
     parser.add_argument("file")
     parser.add_argument("--quick", action="store_true", help="the coarser half only")
     options = parser.parse_args(arguments)
+    check_writable(options.file)
     keep = slice(0, 3) if options.quick else slice(None)
     law = ag.continuum.Nonlocal(mu_s=0.26, b=1.0, amplitude=0.9)
     reference = ag.RingFlow(13.0, 33.0, law, 1e-3, 1.0, elements=1024).solve()

@@ -8,6 +8,7 @@ Takes some minutes on one core; --quick makes a rough version in seconds. Read b
 import argparse
 
 import anisogran as ag
+from anisogran.files import check_writable
 
 SCENE = {
     "pressure": 100.0,
@@ -27,6 +28,7 @@ def main(arguments=None):
     parser.add_argument("file")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args(arguments)
+    check_writable(options.file)
     run = ag.Biaxial(**(SCENE | QUICK if options.quick else SCENE)).run()
     print(f"peak s_D = {float(run.series.s_D.max()):.3f}; {run.status}")
     run.save(options.file)

@@ -12,7 +12,7 @@ import xarray as xr
 
 from anisogran import SimpleShear
 from anisogran.experiments.simple_shear import steady_state
-from anisogran.files import save_results
+from anisogran.files import check_writable, save_results
 
 INERTIAL_NUMBERS = np.geomspace(1e-3, 0.15, 16)
 GRAINS = 1000
@@ -25,6 +25,7 @@ def main(arguments=None):
     parser.add_argument("file")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args(arguments)
+    check_writable(options.file)
     numbers, grains, strain, seeds = INERTIAL_NUMBERS, GRAINS, STRAIN, SEEDS
     if options.quick:
         numbers, grains, strain, seeds = np.geomspace(0.02, 0.15, 10), 100, 3.0, (1,)

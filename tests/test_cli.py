@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from anisogran import cli
+from anisogran import __version__, cli
 from anisogran.outcome import InputError, Interrupted, NotConverged, RunFailed
 
 
@@ -29,6 +29,7 @@ def run(capsys, *arguments):
         (["demo", "--out", "full"], "--out full: the folder is not empty; choose another or add --force"),
         (["demo", "--out", "file.txt/below"], "--out file.txt/below: cannot be written (Not a directory)"),
         (["demo", "--json", "nowhere/numbers.json"], "--json nowhere/numbers.json: cannot be written (No such file or directory)"),
+        (["demo", "--out", ""], "--out: name a folder of its own"),
         (["demo", "--json", "full"], "--json full: is a folder"),
     ],
 )
@@ -86,6 +87,12 @@ def test_numbered_folders_count_up(tmp_path, monkeypatch):
     (tmp_path / "demo-001").write_text("a file in the way")
     assert cli.numbered_folder("demo").name == "demo-002"
     assert cli.numbered_folder("demo").name == "demo-003"
+
+
+def test_version_and_module(capsys):
+    assert run(capsys, "--version")[:2] == (0, f"anisogran {__version__}\n")
+    done = subprocess.run([sys.executable, "-m", "anisogran", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"anisogran {__version__}\n"
 
 
 def test_help_is_light_and_is_what_a_bare_call_shows():

@@ -41,7 +41,7 @@ def made_up_run(noise=0.0, seed=0):
             "stress": (("i", "j", "r"), stress),
         },
         coords={"r": r, "depth": ("r", r - 6.0)},
-        attrs={"ring_width": 1.0},
+        attrs={"edges": EDGES},
     )
     time = np.linspace(0, 2500, 11)
     steady = {"outer_radius": 15.0, "outer_pressure": 1.0, "wall_shear_stress": 0.45, "wall_pressure": 1.0}
@@ -134,4 +134,10 @@ def test_equilibrium_of_an_exact_stress():
 
 def test_a_run_without_rings_is_refused():
     with pytest.raises(InputError, match="no ring profiles"):
-        compare(SimpleNamespace(profiles=None), None)
+        compare(SimpleNamespace(profiles=None), ring_flow(made_up_run(), LAW).solve())
+
+
+def test_a_flow_that_is_not_solved_is_refused():
+    run = made_up_run()
+    with pytest.raises(InputError, match=r"it must be what RingFlow\(...\).solve\(\) returns"):
+        compare(run, ring_flow(run, LAW))

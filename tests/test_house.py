@@ -21,6 +21,7 @@ LAYERS = [
     {"comparison", "plots"},
     {"demo"},
     {"cli"},
+    {"__main__"},
 ]
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 ALLOWED = {  # third parties that only these rooms may import

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import signal
 import sys
 import tempfile
 import time
@@ -10,9 +11,10 @@ from typing import Annotated
 
 import typer
 
+from anisogran import __version__
 from anisogran.outcome import InputError, Interrupted, NotConverged, RunFailed
 
-OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, NOT_TRUSTWORTHY, INTERRUPTED = 0, 2, 3, 4, 5, 130
+OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 4, 130
 
 app = typer.Typer(
     help="From particle simulations to continuum theory for granular matter.", add_completion=False,
@@ -20,9 +22,12 @@ app = typer.Typer(
 )  # fmt: skip
 
 
-@app.callback()
-def anisogran():
+@app.callback(invoke_without_command=True)
+def anisogran(version: Annotated[bool, typer.Option("--version", help="Show the version and exit.")] = False):
     """From particle simulations to continuum theory for granular matter."""
+    if version:
+        print(f"anisogran {__version__}")
+        raise typer.Exit
 
 
 @app.command()
@@ -35,7 +40,10 @@ def demo(
 ):
     """The main job: grains, averages, law, continuum, comparison; writes report.html and results.h5."""
     clock = time.perf_counter()
-    check_writable(json_file)
+    if json_file is not None:
+        from anisogran.files.numbers import check_writable
+
+        check_writable(json_file, "--json ")
     folder = output_folder(out, "demo", force)
     try:
         findings = run_and_report(seed, quick, folder, clock)
@@ -87,8 +95,12 @@ def summarise(findings, folder):
         print(f"{name:16} {findings.law.fits[name]}")
     print(f"{'mu(I)':16} {findings.friction}")
     continuum = n["decay_length_continuum"]
-    words = "not determined (at rest within three rings)" if continuum != continuum else f"{continuum:.3g} d"
-    print(f"decay of v_phi   grains {n['decay_length_dem']:.3g} +- {n['decay_length_dem_err']:.2g} d, nonlocal continuum {words}")
+    grains = n["decay_length_dem"]
+    if grains != grains:
+        print("decay of v_phi   not determined: fewer than three rings whose velocity is three times its error")
+    else:
+        words = "at rest within three rings" if continuum != continuum else f"{continuum:.3g} d"
+        print(f"decay of v_phi   grains {grains:.3g} +- {n['decay_length_dem_err']:.2g} d, nonlocal continuum {words}")
     print(
         f"L2 of v_phi      local {n['l2_local']:.3g}, nonlocal {n['l2_nonlocal']:.3g} (1 parameter fitted on this ring), "
         f"exponential {n['l2_exponential']:.3g} (2 parameters), error bars of the grains {n['l2_noise']:.2g}"
@@ -106,6 +118,8 @@ def output_folder(out, name, force):
     try:
         if out is None:
             folder = numbered_folder(name)
+        elif str(out) in ("", "."):
+            raise InputError("--out: name a folder of its own for the report")
         elif out.exists() and not out.is_dir():
             raise InputError(f"--out {out}: is not a folder")
         else:
@@ -129,22 +143,10 @@ def numbered_folder(name):
             return folder
 
 
-def check_writable(path):
-    """Raises InputError if the file cannot be made, before hours of work are lost on it. An existing file is left as it is."""
-    if path is None:
-        return
-    try:
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-    except OSError as error:
-        raise InputError(f"--json {path}: cannot be written ({error.strerror})") from None
-    if path.is_dir():
-        raise InputError(f"--json {path}: is a folder")
-
-
 def main(arguments=None):
     """Runs the command line and leaves with its exit code; a user's mistake is one line on stderr, never a traceback."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended politely is interrupted: workers are stopped, folders left clean
     try:
         code = app(args=arguments or ["--help"], prog_name="anisogran", standalone_mode=False)
     except typer.Exit as end:

@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from anisogran import fitting, tensors
-from anisogran.continuum import Nonlocal, RingFlow
+from anisogran.continuum import Flow, Nonlocal, RingFlow
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError, Status
 
@@ -47,8 +47,7 @@ def log_rms(profiles, v_phi):
 
 def ring_edges(profiles):
     """The edges of the rings of a profile, (rings + 1,) in m."""
-    half = 0.5 * profiles.attrs["ring_width"]
-    return np.append(profiles.r.values - half, profiles.r.values[-1] + half)
+    return np.asarray(profiles.attrs["edges"])
 
 
 def resolved(profiles, factor=3.0):
@@ -105,8 +104,13 @@ def ring_flow(run, law):
 
 
 def compare(run, flow, name="continuum"):
-    """The Comparison of a RingShear run with a solved RingFlow. Raises InputError for a run without ring profiles."""
-    if run.profiles is None or "v_phi" not in run.profiles:
+    """The Comparison of a RingShear run with a solved RingFlow, on the rings of the run.
+
+    Raises InputError for a run without ring profiles, and for a flow that is not solved.
+    """
+    if not isinstance(flow, Flow):
+        raise InputError(f"compare: the flow is a {type(flow).__name__}; it must be what RingFlow(...).solve() returns")
+    if getattr(run, "profiles", None) is None or "v_phi" not in run.profiles:
         raise InputError("compare: the run has no ring profiles; it must come from RingShear")
     profiles, scene = run.profiles, run.scene
     rings = flow.ring_average(ring_edges(profiles))

@@ -7,6 +7,24 @@ import numpy as np
 from anisogran.outcome import InputError
 
 
+def _numbers(name, value, shape=None):
+    """The value as an array of finite floats of that shape; an empty list has any shape without entries."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"Snapshot: {name} is no array of numbers") from None
+    if shape is None:
+        return array
+    if array.size == 0 and 0 in shape:
+        array = array.reshape(shape)
+    if array.shape != shape:
+        raise InputError(f"Snapshot: {name} has shape {array.shape}, expected {shape}")
+    bad = np.flatnonzero(~np.isfinite(array).all(axis=tuple(range(1, array.ndim))))
+    if bad.size:
+        raise InputError(f"Snapshot: {name}[{bad[0]}] is not finite")
+    return array
+
+
 @dataclass(frozen=True, eq=False)
 class Snapshot:
     """Grains, contacts and volume at one instant; N grains, C contacts, dimension d.
@@ -34,24 +52,20 @@ class Snapshot:
     time: float = 0.0
 
     def __post_init__(self):
-        n, d = np.shape(self.position) if np.ndim(self.position) == 2 else (0, 0)
+        position = _numbers("position", self.position)
+        if position.ndim != 2 or position.shape[1] not in (2, 3) or len(position) == 0:
+            raise InputError(f"Snapshot: position has shape {position.shape}; it must be (N, 2) or (N, 3) with N > 0")
+        n, d = position.shape
         c = len(self.pairs)
-        if n == 0 or d not in (2, 3):
-            raise InputError(f"Snapshot: position has shape {np.shape(self.position)}; it must be (N, 2) or (N, 3) with N > 0")
-        if self.fixed is None:
-            object.__setattr__(self, "fixed", np.zeros(n, bool))
+        fixed = np.zeros(n) if self.fixed is None else self.fixed
         shapes = {
-            "radius": (n,), "mass": (n,), "velocity": (n, d), "spin": (n,) if d == 2 else (n, 3), "fixed": (n,),
+            "position": (n, d), "radius": (n,), "mass": (n,), "velocity": (n, d), "spin": (n,) if d == 2 else (n, 3), "fixed": (n,),
             "pairs": (c, 2), "force": (c, d), "point": (c, d), "overlap": (c,),
         }  # fmt: skip
+        kinds = {"fixed": bool, "pairs": np.int64}
         for name, shape in shapes.items():
-            value = np.asarray(getattr(self, name))
-            if value.shape != shape:
-                raise InputError(f"Snapshot: {name} has shape {value.shape}, expected {shape}")
-            bad = np.flatnonzero(~np.isfinite(value).all(axis=tuple(range(1, value.ndim))))
-            if bad.size:
-                raise InputError(f"Snapshot: {name}[{bad[0]}] is not finite")
-            object.__setattr__(self, name, value)
+            value = _numbers(name, fixed if name == "fixed" else getattr(self, name), shape)
+            object.__setattr__(self, name, value.astype(kinds.get(name, float), copy=False))
         if c and (self.pairs[:, 0].min() < 0 or self.pairs.max() >= n):
             raise InputError(f"Snapshot: pairs must hold grain indices 0..{n - 1}, and -1 - wall in the second place only")
         if self.volume is None:

@@ -10,6 +10,7 @@ from anisogran.averaging.grain_sums import backbone, contact_ends
 from anisogran.dem import Box, Friction, Grains, Linear, Periodic, Pressure, Simulation
 from anisogran.dem.packing import uniform_radii
 from anisogran.outcome import InputError
+from anisogran.snapshot import Snapshot
 
 EXACT = {"rtol": 0, "atol": 1e-12}
 
@@ -88,12 +89,42 @@ def test_no_contacts_is_an_answer_with_a_reason():
     assert float(box.area_fraction) == pytest.approx(np.pi / 4)  # the bounding box of one disc
 
 
+def test_one_grain_between_walls():
+    """More walls than grains."""
+    one = make(
+        [[0.5, 0.5]],
+        [0.5],
+        [(0, -1), (0, -2), (0, -3), (0, -4)],
+        [(1, 0), (-1, 0), (0, 1), (0, -1)],
+        point=[[0, 0.5], [1, 0.5], [0.5, 0], [0.5, 1]],
+    )
+    box = average(one)
+    assert float(box.coordination_number) == 4.0
+    np.testing.assert_allclose(box.stress, np.eye(2), **EXACT)
+
+
+def test_a_snapshot_takes_lists_and_refuses_what_is_no_snapshot():
+    two = {"position": [[0, 0], [1, 0]], "radius": [0.5, 0.5], "mass": [1, 1], "velocity": [[0, 0], [0, 0]], "spin": [0, 0]}
+    snapshot = Snapshot(**two, pairs=[], force=[], point=[], overlap=[], fixed=[0, 1])
+    assert snapshot.pairs.shape == (0, 2)
+    assert snapshot.fixed.dtype == bool
+    np.testing.assert_array_equal(snapshot.free, [True, False])
+    with pytest.raises(InputError, match="mass is no array of numbers"):
+        Snapshot(**{**two, "mass": ["a", "b"]}, pairs=[], force=[], point=[], overlap=[])
+    sphere = Snapshot([[0, 0, 0]], [1.0], [1.0], [[0, 0, 0]], [[0, 0, 0]], [], [], [], [])
+    with pytest.raises(InputError, match="three-dimensional"):
+        average(sphere)
+
+
 def test_unknown_names_are_refused():
+    for edges in ([-3, -2, -1, 0], [3, 2, 1, 0], [1, 1, 2, 3], [1, 2]):
+        with pytest.raises(InputError, match="four ascending radii, none below 0"):
+            average(square(), on="rings", edges=edges)
     with pytest.raises(InputError, match="on = 'sphere' must be"):
         average(square(), on="sphere")
     with pytest.raises(InputError, match="unknown field 'strss'"):
-        average(square(), fields=["strss"])
-    with pytest.raises(InputError, match="at least four"):
+        average(square(), fields="strss")
+    with pytest.raises(InputError, match="at least four ascending"):
         average(square(), on="rings")
     with pytest.raises(InputError, match=r"force\[1\] is not finite"):
         make([[0, 0], [1, 0], [2, 0]], [0.5] * 3, [(0, 1), (1, 2)], [(0, 0), (np.nan, 0)])

@@ -231,14 +231,57 @@ def test_bad_input_is_refused_before_the_first_step():
         ({"density": -2.0}, "density = -2 must be above 0 kg/m3"),
         ({"velocity": np.zeros((3, 2))}, r"velocity of shape \(3, 2\) does not fit \(2, 2\)"),
         ({"position": np.zeros((0, 2))}, r"must be \(N, 2\) with N > 0"),
-        ({"driven": 3}, "driven = 3 must be between 0"),
+        ({"driven": 3}, "driven = 3 must be a whole number between 0"),
     ]:
         with pytest.raises(InputError, match=message):
             Grains(**{**good, **change})
     with pytest.raises(InputError, match=r"dt = 1 must be at most"):
         Simulation(Grains(**good), Linear(1e5), dt=1.0)
-    with pytest.raises(RunFailed, match="overlaps a neighbour by more than half a radius"):
-        Simulation(Grains([[0.0, 0.0], [0.0, 0.0]], [0.5, 0.5]), Linear(1e5))
+    pair = Grains(**good)
+    for make, message in [
+        (
+            lambda: Simulation(Grains([[0.0, 0.0], [0.0, 0.0]], [0.5, 0.5]), Linear(1e5)),
+            "grain 0 .* overlaps a neighbour by more than half",
+        ),
+        (lambda: Simulation(pair, Linear(1e5), boundary=Box(0.5, 1.0)), r"grain \d .* has its centre beyond a wall at the start"),
+        (lambda: Simulation(pair, None), "normal = None must be a contact law"),
+        (lambda: Simulation(pair, Linear), "must be a contact law .* with its parameters"),
+        (lambda: Simulation(pair, Linear(1e5), friction=0.5), "friction = 0.5 must be a Friction record"),
+        (lambda: Simulation(pair, Linear(1e5), boundary="periodic"), "boundary = 'periodic' must be one of Open, Box, Ring, Periodic"),
+        (lambda: Simulation(pair, Linear(1e5), boundary=Ring(5.0, inner=1)), "inner = 1 driven grains, but only 0 are given"),
+        (lambda: Simulation(pair, Linear(1e5), boundary=Periodic(2.0, 9.0)), "periodic cell of 2 x 9 m must be 2.2 m wide"),
+        (lambda: Ring(5.0, inner=1.5), "inner = 1.5 must be a whole number"),
+        (lambda: Grains(**good, driven=1.5), "driven = 1.5 must be a whole number"),
+        (lambda: Simulation(pair, Linear(1e5)).run(0.5), "steps = 0.5 must be a whole number; dt is"),
+        (lambda: Simulation(pair, Linear(1e5)).run(-5), "steps = -5 must be at least 0"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            make()
+
+
+def test_radii_given_are_not_shared_with_the_run():
+    radius = np.array([0.5, 0.5])
+    grains = Grains([[0.0, 0.0], [1.0, 0.0]], radius)
+    sim = Simulation(grains, Linear(1e5))
+    radius[0] = grains.radius[1] = 9.0
+    sim.run(50)
+    np.testing.assert_array_equal(sim.net_force, 0.0)
+
+
+@pytest.mark.parametrize("damping", [0.5, 0.99, 1.0, 3.0, 30.0, 300.0])
+def test_no_damping_makes_energy(damping):
+    """In units of the critical one: the default time step follows strong dashpots, normal and tangential ones and drag."""
+    critical = 2 * np.sqrt(1e4 * 0.5)
+    grains = Grains([[0.0, 0.0], [1.0, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[0.5, 0.3], [-0.5, 0.0]])
+    sim = Simulation(
+        grains, Linear(1e4, damping * critical), friction=Friction(2e3, 0.5, damping=damping * critical), drag=damping * critical
+    )
+    energy = [sim.kinetic_energy()]
+    for _ in range(40):
+        sim.run(50)
+        energy.append(sim.kinetic_energy())
+    assert max(energy) <= energy[0] * (1 + 1e-12)
+    assert energy[-1] < 0.5 * energy[0]
 
 
 def test_pair_loop_is_vectorised(rng):

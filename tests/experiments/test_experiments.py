@@ -118,6 +118,22 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
     assert shear.series.strain[-1] == pytest.approx(3.0, rel=1e-3)
 
 
+def test_absurd_runs_are_warned_of():
+    soft = Biaxial(grains=40, pressure=3e3, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
+    assert "of the mean radius: too soft for this load" in str(soft.status)
+    fast = RingShear(grains=150, inner_radius=3.0, wall_speed=2.0, travel=6.0, discard=2.0, block=2.0, seed=1).run()
+    assert "far from quasi-static" in str(fast.status)
+    one = RingShear(grains=150, inner_radius=3.0, travel=4.0, discard=2.0, block=2.0).run()
+    assert "one block only: no error bars" in str(one.status)
+    assert np.isnan(one.profiles.v_phi_error).all()
+
+
+def test_fast_shear_holds_its_pressure():
+    run = SimpleShear(inertial_number=0.3, grains=100, strain=4.0, discard=1.0, seed=2).run()
+    # 5 % is where the status warns; the control sees contacts only, and agitation adds its share
+    assert float(run.scene.steady(run.series).sigma_yy.mean()) == pytest.approx(1.0, abs=0.1)
+
+
 def test_progress_is_reported():
     seen = []
     SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1, samples_per_strain=50).run(progress=seen.append)
@@ -135,6 +151,8 @@ def test_progress_is_reported():
         (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan"),
         (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 40 \\+ 20, or there is nothing to average"),
         (lambda: RingShear(grains=60), "grains = 60 fill a gap of 1.4 mean diameters; 4.5 are needed"),
+        (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
+        (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),
         (lambda: SimpleShear(strain=1.0), "strain = 1 must be at least discard \\+ 0.5 = 2"),
         (lambda: Biaxial(contact=Luding(2.0, 1.0)), "Luding: k2 = 1 must be at least 2"),
     ],

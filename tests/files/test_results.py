@@ -3,9 +3,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from anisogran import InputError
+from anisogran import InputError, average
 from anisogran import open as open_results
-from anisogran.files import save_results, snapshot_dataset, write_json
+from anisogran.dem import Grains, Linear, Periodic, Simulation
+from anisogran.files import read_snapshot, save_results, snapshot_dataset, write_json
 from anisogran.snapshot import Snapshot
 
 
@@ -38,6 +39,26 @@ def test_snapshot_has_all_its_arrays():
     assert all("units" in data[name].attrs for name in data)
 
 
+def test_a_snapshot_is_read_back(tmp_path):
+    sim = Simulation(Grains([[1.0, 1.0], [1.9, 1.0], [0.1, 3.0]], [0.5, 0.5, 0.5], driven=1), Linear(1e3), boundary=Periodic(4.0, 5.0))
+    snapshot = sim.snapshot()
+    save_results(tmp_path / "s.h5", {"snapshots/end": snapshot_dataset(snapshot)}, {})
+    back = read_snapshot(open_results(tmp_path / "s.h5")["snapshots/end"])
+    for name in ("position", "radius", "mass", "velocity", "spin", "pairs", "force", "point", "overlap", "cell", "fixed"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(snapshot, name))
+    assert (back.volume, back.time, back.fixed.dtype) == (snapshot.volume, snapshot.time, bool)
+    xr.testing.assert_identical(average(back), average(snapshot))
+    with pytest.raises(InputError, match="no variable 'position'"):
+        read_snapshot(xr.Dataset())
+
+
+def test_places_that_cannot_be_written_are_refused_before_anything(tmp_path):
+    for path, message in [(tmp_path / "no" / "a.h5", "No such file or directory"), (tmp_path, "is a folder"), (None, "is no path")]:
+        with pytest.raises(InputError, match=message):
+            save_results(path, {}, {})
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_unreadable_files_get_one_line(tmp_path):
     text = tmp_path / "text.h5"
     text.write_text("no HDF5")
@@ -45,6 +66,10 @@ def test_unreadable_files_get_one_line(tmp_path):
         file["x"] = np.arange(1000)
     whole = (tmp_path / "cut.h5").read_bytes()
     (tmp_path / "cut.h5").write_bytes(whole[: len(whole) // 2])
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["x"] = np.arange(3)
+    with pytest.raises(InputError, match=r"foreign.h5: not"):
+        open_results(tmp_path / "foreign.h5")
     for path in (text, tmp_path / "cut.h5", tmp_path / "missing.h5"):
         with pytest.raises(InputError, match=path.name) as caught:
             open_results(path)

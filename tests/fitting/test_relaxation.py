@@ -125,3 +125,11 @@ def test_bad_settings_are_named():
         relaxation(STRAIN, CURVE, start={"s_0": 0.0, "s_max": 0.4, "beta": -1.0})
     with pytest.raises(InputError, match="errors must be above 0"):
         relaxation(STRAIN, CURVE, errors=0 * STRAIN)
+
+
+def test_strain_of_the_wrong_sign_is_refused():
+    x = np.linspace(0.0, 0.1, 50)
+    with pytest.raises(InputError, match=r"eps_D = -0\.1 is negative; the law holds for loading"):
+        relaxation(-x, 0.4 * (1 - np.exp(-50 * x)))
+    with pytest.raises(InputError, match="must be a dict of s_0, s_max and beta"):
+        relaxation(x, 0.4 * (1 - np.exp(-50 * x)), start=(0, 1, 2))

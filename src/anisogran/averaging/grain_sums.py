@@ -79,9 +79,10 @@ def backbone(snapshot, ends, least_contacts):
     may leave a neighbour with too few, so the removal is repeated until nothing changes.
     """
     kept = snapshot.free.copy()
-    wall = (ends.partner < 0) | ~snapshot.free[ends.partner]
+    partner = np.where(ends.partner < 0, 0, ends.partner)  # any grain: where it stands for a wall it is not asked
+    wall = (ends.partner < 0) | ~snapshot.free[partner]
     while True:
-        live = kept[ends.grain] & (wall | kept[ends.partner])
+        live = kept[ends.grain] & (wall | kept[partner])
         count = np.bincount(ends.grain[live], minlength=len(kept))
         lost = kept & (count < least_contacts)
         if not lost.any():

@@ -97,7 +97,7 @@ def ring_profiles(densities, edges):
         "fabric_deviator": tensors.deviator_size(densities["fabric"]),
         "inertial_number": shear_rate * np.sqrt(grain_mass / pressure),
     }
-    dataset = xr.Dataset(attrs={"conventions": CONVENTIONS, "frame": "(r, phi)", "ring_width": float(edges[1] - edges[0])})
+    dataset = xr.Dataset(attrs={"conventions": CONVENTIONS, "frame": "(r, phi)", "edges": edges})
     for name, value in values.items():
         dims = ("i", "j", "r") if np.ndim(value) == 3 else ("r",)
         dataset[name] = (dims, value, attributes(name))

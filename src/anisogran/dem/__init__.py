@@ -3,9 +3,10 @@
 from anisogran.dem.boundaries import Box, Cosine, Fixed, Open, Periodic, Pressure, Ring
 from anisogran.dem.grains import Grains
 from anisogran.dem.laws import NORMAL_LAWS, Friction, Linear, Luding
-from anisogran.dem.simulation import Simulation, collision_time
+from anisogran.dem.simulation import Simulation, collision_time, longest_step
 
 __all__ = [
     "NORMAL_LAWS", "Box", "Cosine", "Fixed", "Friction", "Grains", "Linear", "Luding", "Open", "Periodic", "Pressure", "Ring",
     "Simulation", "collision_time",
+    "longest_step",
 ]  # fmt: skip

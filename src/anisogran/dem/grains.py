@@ -38,7 +38,10 @@ class Grains:
     driven: int = 0
 
     def __post_init__(self):
-        shape = np.shape(self.position)
+        try:
+            shape = np.shape(self.position)
+        except ValueError:
+            shape = "ragged"
         if len(shape) != 2 or shape[1] != 2 or shape[0] == 0:
             raise InputError(f"Grains: position has shape {shape}; it must be (N, 2) with N > 0")
         n = shape[0]
@@ -56,8 +59,8 @@ class Grains:
             bad = np.flatnonzero(values[name] <= 0)
             if bad.size:
                 raise InputError(f"Grains: {name}[{bad[0]}] = {values[name][bad[0]]:g} must be above 0")
-        if not 0 <= self.driven <= n:
-            raise InputError(f"Grains: driven = {self.driven} must be between 0 and the number of grains {n}")
+        if not isinstance(self.driven, (int, np.integer)) or not 0 <= self.driven <= n:
+            raise InputError(f"Grains: driven = {self.driven!r} must be a whole number between 0 and the number of grains {n}")
         for name, value in values.items():
             object.__setattr__(self, name, value)
 

@@ -9,6 +9,8 @@ folder carries a hash of all sources of this room and of the versions of the com
 
 import hashlib
 import os
+import tempfile
+import warnings
 from functools import cache
 from pathlib import Path
 
@@ -36,8 +38,25 @@ def cache_folder():
     return str(folder / f"kernels-{digest}")
 
 
+@cache
+def cache_is_writable():
+    """Whether the cache folder can be made and written; if not, warns once that every process will compile anew.
+
+    Numba would then fall back to a folder that knows nothing of the sources of other files, and run stale kernels.
+    """
+    try:
+        Path(cache_folder()).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=cache_folder()):
+            return True
+    except OSError as error:
+        warnings.warn(f"{cache_folder()} cannot be written ({error.strerror}): kernels are compiled anew in every process", stacklevel=2)
+        return False
+
+
 def kernel(function):
     """The function, compiled at its first call and cached on disk for the next process."""
+    if not cache_is_writable():
+        return njit(**OPTIONS)(function)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read by Numba while it decorates; the user's own kernels keep their setting
     try:

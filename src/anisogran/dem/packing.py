@@ -29,7 +29,7 @@ def random_positions(radius, sample, clearance, rng, taken=(), taken_radius=(), 
         placed[:used], sizes[:used] = taken, taken_radius
     position = np.empty((len(radius), 2))
     for i in np.argsort(-np.asarray(radius), kind="stable"):
-        for _ in range(200):
+        for _ in range(1000):
             trial = sample(rng, 20)
             apart = trial[:, None, :] - placed[None, :used]
             if period is not None:
@@ -40,7 +40,7 @@ def random_positions(radius, sample, clearance, rng, taken=(), taken_radius=(), 
                 position[i] = trial[np.argmax(free)]
                 break
         else:
-            raise InputError(f"random start: no room for grain {i} of {len(radius)} after 4000 trials; lower the initial area fraction")
+            raise InputError(f"random start: no room for grain {i} of {len(radius)} after 20,000 trials; try another seed, or more grains")
         placed[used], sizes[used] = position[i], radius[i]
         used += 1
     return position

@@ -10,6 +10,7 @@ import numpy as np
 from anisogran.dem.boundaries import Open
 from anisogran.dem.contacts import contact_table
 from anisogran.dem.grains import Grains
+from anisogran.dem.laws import NORMAL_LAWS, Friction
 from anisogran.dem.neighbours import empty_pair_list
 from anisogran.dem.pairs import scratch
 from anisogran.dem.stepping import (
@@ -35,6 +36,11 @@ CAUSES = {
     TOO_FAST: "it moves more than half the smallest radius in one step; faster than contacts can be found",
     OUTSIDE: "its centre lies beyond a wall; the wall is too soft for the load, or the grain too fast for the time step",
 }
+STARTS = {
+    NOT_FINITE: "is not at a finite place",
+    DEEP_OVERLAP: "overlaps a neighbour by more than half a radius",
+    OUTSIDE: "has its centre beyond a wall",
+}
 
 
 def collision_time(normal, mass):
@@ -48,23 +54,55 @@ def collision_time(normal, mass):
     return math.pi / math.sqrt(damped if damped > 0 else square)
 
 
+def longest_step(normal, friction, drag, mass):
+    """The longest time step that is allowed, in s: a fifth of the shortest undamped contact time, less where a dashpot is strong.
+
+    The dashpots are explicit: a step beyond 2 m12/damping would turn damping into driving. A quarter of that leaves room for grains with
+    many contacts. The tangential one also turns the grains, which makes it 3.5 times as effective.
+    """
+    lightest = float(np.min(mass))
+    reduced = 0.5 * lightest
+    limits = [math.pi * math.sqrt(reduced / normal.stiffest) / 5]
+    for damping, inertia in ((normal.damping, reduced), (3.5 * friction.damping if friction else 0.0, reduced), (drag or 0.0, lightest)):
+        if damping > 0:
+            limits.append(0.5 * inertia / damping)
+    return min(limits)
+
+
+def check_effects(grains, normal, friction, wall_friction, boundary):
+    """Raises InputError naming the first argument that is not what it has to be."""
+    if type(normal) not in NORMAL_LAWS:
+        laws = ", ".join(law.__name__ for law in NORMAL_LAWS)
+        raise InputError(f"Simulation: normal = {normal!r} must be a contact law ({laws}) with its parameters")
+    for name, effect in (("friction", friction), ("wall_friction", wall_friction)):
+        if effect is not None and not isinstance(effect, Friction):
+            raise InputError(f"Simulation: {name} = {effect!r} must be a Friction record or None")
+    if not hasattr(boundary, "walls") or isinstance(boundary, type):
+        raise InputError(f"Simulation: boundary = {boundary!r} must be one of Open, Box, Ring, Periodic")
+    if getattr(boundary, "inner", 0) > grains.driven:
+        raise InputError(f"Simulation: the ring has inner = {boundary.inner} driven grains, but only {grains.driven} are given")
+
+
 class Simulation:
     """Grains, contact effects and a boundary, ready to run.
 
     normal: Linear or Luding; friction: Friction between grains, or None; wall_friction: Friction at smooth walls and rings, or None;
-    boundary: Open, Box, Ring or Periodic; drag: background damping in kg/s for preparation, or None; dt in s, default a fiftieth of
-    the shortest collision time. An absent effect is not compiled and holds no memory. `skin` in m is the reserve of the neighbour
-    list. Raises InputError before the first step for anything that cannot be simulated.
+    boundary: Open, Box, Ring or Periodic; drag: background damping in kg/s for preparation, or None; dt in s, default a tenth of
+    `longest_step`, which is a fiftieth of the shortest contact time unless a dashpot is strong. An absent effect is not compiled and
+    holds no memory. `skin` in m is the reserve of the neighbour list. Raises InputError before the first step for anything that cannot
+    be simulated.
     """
 
     def __init__(self, grains, normal, friction=None, boundary=None, wall_friction=None, drag=None, dt=None, skin=None, predecessor=None):
         if not isinstance(grains, Grains):
             raise InputError(f"Simulation: grains = {grains!r} must be a dem.Grains record")
         boundary = Open() if boundary is None else boundary
+        check_effects(grains, normal, friction, wall_friction, boundary)
         n = len(grains)
         movable = n - grains.driven
-        shortest = collision_time(normal, grains.mass)
-        self.dt = shortest / 50 if dt is None else checked("Simulation", "dt", dt, above=0, at_most=shortest / 5, unit="s (t_c/5)")
+        drag = None if drag is None else checked("Simulation", "drag", drag, above=0, unit="kg/s")
+        limit = longest_step(normal, friction, drag, grains.mass)
+        self.dt = 0.1 * limit if dt is None else checked("Simulation", "dt", dt, above=0, at_most=limit, unit="s")
         self.grains, self.boundary = grains, boundary
         self.effects = {"normal": normal, "friction": friction, "wall_friction": wall_friction, "drag": drag}
         largest_radius = float(grains.radius.max())
@@ -78,7 +116,7 @@ class Simulation:
         remembers = normal.remembers
         capacity = 6 * n + 64
         self._state = SimpleNamespace(
-            body=Body(x, y, vx, vy, np.zeros(n), np.zeros(n), grains.radius, inverse_mass, x.copy(), y.copy()),
+            body=Body(x, y, vx, vy, np.zeros(n), np.zeros(n), grains.radius.copy(), inverse_mass, x.copy(), y.copy()),
             spin=grains.spin.copy() if rotates else None,
             torque=np.zeros(n) if rotates else None,
             inverse_inertia=inverse_mass / (grains.inertia_factor * grains.radius**2) if rotates else None,
@@ -91,7 +129,7 @@ class Simulation:
             normal=normal.parameters(),
             friction=None if friction is None else friction.parameters(),
             wall_friction=None if wall_friction is None or not walls else wall_friction.parameters(),
-            drag=None if drag is None else checked("Simulation", "drag", drag, above=0, unit="kg/s"),
+            drag=drag,
             boundary=boundary.state(),
             movable=movable,
             skin=skin,
@@ -118,9 +156,22 @@ class Simulation:
                         setattr(s, name, theirs.copy())
                     elif not of_walls:
                         setattr(s, name, np.zeros(s.pairs.first.size))
+        self._check_cell()
         while (code := self._rebuild()) == LIST_FULL:
             self._make_room()
+        if code != DONE and predecessor is None:
+            i = int(s.counters.grain[0])
+            raise InputError(f"Simulation: grain {i} at ({s.body.x[i]:.6g}, {s.body.y[i]:.6g}) m {STARTS[code]} at the start")
         self._raise_unless_done(code)
+
+    def _check_cell(self):
+        """A periodic cell must be so large that no grain meets two images of another, or its own."""
+        lattice = getattr(self._state.boundary, "lattice", None)
+        if lattice is not None and min(lattice[:2]) < 2 * self._state.reach:
+            least = 2 * self._state.reach
+            raise InputError(
+                f"Simulation: the periodic cell of {lattice[0]:g} x {lattice[1]:g} m must be {least:g} m wide and high at least"
+            )
 
     def _rebuild(self):
         s = self._state
@@ -159,10 +210,12 @@ class Simulation:
             raise RunFailed(f"stopped at step {self.step} (t = {self.time:.6g} s) at grain {i}, {place}: {CAUSES[code]}")
 
     def run(self, steps):
-        """Advances by `steps` steps. Returns nothing; raises RunFailed naming step, grain and likely cause.
+        """Advances by a whole number of steps. Raises RunFailed naming step, grain and likely cause, InputError for a part of a step.
 
         The compiled loop comes back at least about twice a second, so that an interrupt is heard.
         """
+        if checked("Simulation.run", "steps", steps, at_least=0) != int(steps):
+            raise InputError(f"Simulation.run: steps = {steps} must be a whole number; dt is {self.dt:g} s")
         s = self._state
         end = self.step + int(steps)
         while self.step < end:
@@ -176,6 +229,7 @@ class Simulation:
                 self._make_room()
                 continue
             self._raise_unless_done(code)
+            self._check_cell()
             seconds = time.perf_counter() - clock
             self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.4 / seconds)))
 

@@ -11,14 +11,10 @@ import numpy as np
 from pydantic import Field
 
 from anisogran.averaging import average_box
-from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation, collision_time
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.equilibrium import relax
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
-from anisogran.outcome import Status
-
-LOOSE = 0.45  # area fraction of the random start
-STEP_SHARE = 1 / 20  # of the shortest collision time: quasi-static, restitution to about 1 %
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
+from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step, relax
 
 
 class Biaxial(Experiment):
@@ -58,12 +54,11 @@ class Biaxial(Experiment):
         position = random_positions(radius, lambda rng, count: rng.uniform(0, side, (count, 2)), inside, rng)
         grains = Grains(position, radius, density=self.density)
         mass = float(grains.mass.sum())
-        shortest = collision_time(self.contact, grains.mass)
         # walls come in at I about 2e-3; the dashpot alone sets their speed, since force and mass are far from balance until then
         speed = 2e-3 * side / math.sqrt(grains.mass.mean() / self.pressure)
         wall = Pressure(self.pressure, mass=0.05 * mass, damping=self.pressure * side / speed)
-        drag = float(grains.mass.mean()) / (50 * shortest)
-        simulation = Simulation(grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=STEP_SHARE * shortest)
+        drag, dt = background_drag(self.contact, grains.mass), quasi_static_step(self.contact, self.friction, grains.mass)
+        simulation = Simulation(grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=dt)
 
         def stress_error():
             _, right, _, top = simulation.walls.position
@@ -131,7 +126,7 @@ class Biaxial(Experiment):
 
     def judge(self, series, simulation):
         """Warnings a reader must see: pressure not held, flow not quasi-static, stale neighbour lists."""
-        status = Status()
+        status = squeezed(simulation)
         held = float(abs(series.sigma_xx_wall / self.pressure - 1).median())
         if held > 0.02:
             status = status.warn(f"the side wall holds its pressure only to {held:.1%} (median)")

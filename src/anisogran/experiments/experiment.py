@@ -85,6 +85,13 @@ def labelled_series(rows, experiment):
     return xr.Dataset(columns, attrs={"conventions": CONVENTIONS, "experiment": experiment}).set_coords("time")
 
 
+def squeezed(simulation, most=0.05):
+    """A Status that warns if the mean overlap exceeds `most` of the mean radius: such soft grains are no model of a packing."""
+    snapshot = simulation.snapshot()
+    share = float(snapshot.overlap.mean() / snapshot.radius.mean()) if len(snapshot.overlap) else 0.0
+    return Status().warn(f"the mean overlap is {share:.1%} of the mean radius: too soft for this load") if share > most else Status()
+
+
 def provenance(scene, watch, simulation):
     """Where a result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""
     active, absent = simulation.active_effects()

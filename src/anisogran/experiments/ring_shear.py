@@ -14,16 +14,14 @@ import xarray as xr
 from pydantic import Field
 
 from anisogran.averaging import drift, mean_and_error, ring_densities, ring_profiles
-from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation, collision_time
+from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.equilibrium import relax
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
+from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step, relax
 from anisogran.glossary import attributes
-from anisogran.outcome import InputError, Status
+from anisogran.outcome import InputError
 
-LOOSE = 0.45  # area fraction of the random start
 PRESSED = 0.82  # about that under pressure; it sets how many discs the outer ring carries
-STEP_SHARE = 1 / 20  # of the shortest collision time
 SPACING = 1.5  # distance of the discs on a ring in mean diameters: their gap of d/2 holds a grain but lets none through
 
 
@@ -60,6 +58,10 @@ class RingShear(Experiment):
         if self.travel < self.discard + self.block:
             need = f"discard + block = {self.discard:g} + {self.block:g}"
             raise InputError(f"RingShear: travel = {self.travel:g} must be at least {need}, or there is nothing to average")
+        if self.inner_radius < 2 * self.mean_diameter:
+            raise InputError(f"RingShear: inner_radius = {self.inner_radius:g} m must be at least two mean diameters to carry a rough ring")
+        if round(self.block * self.samples_per_diameter) < 1:
+            raise InputError(f"RingShear: block = {self.block:g} holds no sample; there are {self.samples_per_diameter} in a diameter")
         # a disc of uniform radius with ratio q has the mean square (q^2 + q + 1) / (3 ((q + 1)/2)^2) of its mean radius
         q, d = self.size_ratio, self.mean_diameter
         area = self.grains * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
@@ -102,14 +104,14 @@ class RingShear(Experiment):
             driven=len(rings),
         )
         mass = float(grains.mass[: self.grains].sum())
-        shortest = collision_time(self.contact, grains.mass[: self.grains])
         piston = 0.2 * mass
         # close to critical for the piston on the sample, whose stiffness against the radius is about 2 pi k
         damping = 2 * math.sqrt(2 * math.pi * self.contact.stiffest * piston)
         # the smooth wall lies behind the centres of the wreath, where no grain comes
         boundary = Ring(outer + 0.5 * d, rim=Pressure(self.pressure, mass=piston, damping=damping), inner=len(inner_ring))
-        drag = float(grains.mass.mean()) / (50 * shortest)
-        simulation = Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=STEP_SHARE * shortest)
+        free = grains.mass[: self.grains]
+        drag, dt = background_drag(self.contact, free), quasi_static_step(self.contact, self.friction, free)
+        simulation = Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=dt)
 
         def stress_error():
             return abs(self.measure(simulation)["outer_pressure"] / self.pressure - 1)
@@ -175,8 +177,16 @@ class RingShear(Experiment):
 
     def judge(self, blocks, series, simulation):
         """Warnings a reader must see: too few blocks, drift, stale neighbour lists."""
-        status = Status()
-        if blocks.sizes["block"] < 5:
+        status = squeezed(simulation)
+        inertial = float(blocks.inertial_number.max())
+        if inertial > 0.2:
+            status = status.warn(f"inertial number up to {inertial:.2g}: far from quasi-static")
+        pressure = float(series.outer_pressure[len(series.time) // 2 :].mean())
+        if abs(pressure / self.pressure - 1) > 0.05:
+            status = status.warn(f"the mean outer pressure is {pressure / self.pressure:.2f} times the one asked for")
+        if blocks.sizes["block"] == 1:
+            status = status.warn("one block only: no error bars")
+        elif blocks.sizes["block"] < 5:
             status = status.warn(f"only {blocks.sizes['block']} blocks: the error bars are rough")
         else:
             moved = drift(blocks.v_phi.isel(r=1))

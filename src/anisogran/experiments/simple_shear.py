@@ -12,14 +12,14 @@ from pydantic import Field
 
 from anisogran import tensors
 from anisogran.averaging import average_box, drift, mean_and_error
-from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation, collision_time
+from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance
-from anisogran.outcome import InputError, Status
+from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
+from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step
+from anisogran.outcome import InputError
 
-LOOSE = 0.45  # area fraction of the random start
+CLOSING = 0.02  # strain rate of the height while nothing resists, in units of sqrt(pressure/mean mass)
 DENSE = 0.84  # about that under pressure; the cell is as much too high at the start
-STEP_SHARE = 1 / 20  # of the shortest collision time
 
 
 class SimpleShear(Experiment):
@@ -63,11 +63,10 @@ class SimpleShear(Experiment):
 
         position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
         grains = Grains(position, radius, density=self.density)
-        shortest = collision_time(self.contact, grains.mass)
-        closing = 0.02 / math.sqrt(grains.mass.mean() / self.pressure)  # strain rate while nothing resists
+        closing = CLOSING / math.sqrt(grains.mass.mean() / self.pressure)
         cell = Periodic(width, height, pressure=self.pressure, viscosity=self.pressure / closing)
-        drag = float(grains.mass.mean()) / (50 * shortest)
-        simulation = Simulation(grains, self.contact, boundary=cell, drag=drag, dt=STEP_SHARE * shortest)
+        drag, dt = background_drag(self.contact, grains.mass), quasi_static_step(self.contact, self.friction, grains.mass)
+        simulation = Simulation(grains, self.contact, boundary=cell, drag=drag, dt=dt)
         steps = int(1.5 * math.log(DENSE / LOOSE) / closing / simulation.dt)
         for _ in range(10):
             watch.run(simulation, steps // 10)
@@ -76,8 +75,9 @@ class SimpleShear(Experiment):
     def shear(self, prepared, watch):
         """Shears the prepared sample and records it."""
         width, height = prepared.walls.lattice[:2]
-        rate = self.inertial_number / math.sqrt(prepared.grains.mass.mean() / self.pressure)
-        cell = Periodic(width, height, shear_rate=rate, pressure=self.pressure, viscosity=prepared.boundary.viscosity)
+        scale = 1 / math.sqrt(prepared.grains.mass.mean() / self.pressure)
+        rate = self.inertial_number * scale
+        cell = Periodic(width, height, shear_rate=rate, pressure=self.pressure, viscosity=self.pressure / max(CLOSING * scale, 0.5 * rate))
         position, velocity = prepared.position, prepared.velocity
         velocity[:, 0] += rate * position[:, 1]
         simulation = prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)
@@ -91,7 +91,10 @@ class SimpleShear(Experiment):
             watch.progress(k / samples)
         series = labelled_series(rows, "simple_shear")
         moved = drift(blocks_of(self.steady(series)).stress_ratio)
-        status = Status()
+        status = squeezed(simulation)
+        vertical = float(self.steady(series).sigma_yy.mean())
+        if abs(vertical / self.pressure - 1) > 0.05:
+            status = status.warn(f"the mean vertical stress is {vertical / self.pressure:.2f} times the one asked for")
         if abs(moved) > 4:
             status = status.warn(f"not steady: the stress ratio drifts by {moved:.1f} standard errors")
         if simulation.counters["late_builds"]:

@@ -1,6 +1,6 @@
 """Files that other programs can read."""
 
-from anisogran.files.numbers import json_text, write_json
-from anisogran.files.results import open, save_results, snapshot_dataset
+from anisogran.files.numbers import check_writable, json_text, write_json
+from anisogran.files.results import open, read_snapshot, save_results, snapshot_dataset
 
-__all__ = ["json_text", "open", "save_results", "snapshot_dataset", "write_json"]
+__all__ = ["check_writable", "json_text", "open", "read_snapshot", "save_results", "snapshot_dataset", "write_json"]

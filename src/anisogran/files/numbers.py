@@ -1,9 +1,29 @@
-"""Numbers as JSON."""
+"""Numbers as JSON, and whether a file can be written at all."""
 
 import json
 import math
 import os
+import tempfile
 from pathlib import Path
+
+from anisogran.outcome import InputError
+
+
+def check_writable(path, option=""):
+    """Raises InputError if the file cannot be made, before any work is lost on it. An existing file is left as it is.
+
+    `option` names the place in the message, such as "--json ".
+    """
+    try:
+        path = Path(path)
+        if path.is_dir():
+            raise InputError(f"{option}{path}: is a folder")
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"{option}{path}: cannot be written ({error.strerror})") from None
+    except TypeError:
+        raise InputError(f"{option}{path!r}: is no path") from None
 
 
 def json_text(numbers):

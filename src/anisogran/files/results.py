@@ -1,22 +1,29 @@
 """Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units."""
 
 import os
+from dataclasses import fields
 from pathlib import Path
 
 import xarray as xr
 
 import anisogran
+from anisogran.files.numbers import check_writable
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError
+from anisogran.snapshot import Snapshot
 
 
 def save_results(path, datasets, attributes):
     """Writes a mapping of "group/name" to Dataset, with attributes at the root; an older file is replaced only when all is written."""
+    check_writable(path)
     root = xr.Dataset(attrs={"anisogran": anisogran.__version__, "conventions": CONVENTIONS, **attributes})
     tree = xr.DataTree.from_dict({"/": root, **{f"/{name}": dataset for name, dataset in datasets.items()}})
     temporary = Path(f"{path}.tmp")
-    tree.to_netcdf(temporary, engine="h5netcdf")
-    os.replace(temporary, path)
+    try:
+        tree.to_netcdf(temporary, engine="h5netcdf")
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def snapshot_dataset(snapshot):
@@ -39,9 +46,30 @@ def snapshot_dataset(snapshot):
 
 
 def open(path):
-    """A results file as an xarray.DataTree, read into memory. Raises InputError naming the file if it cannot be read."""
+    """A results file as an xarray.DataTree, read into memory.
+
+    Raises InputError naming the file if it cannot be read, or was not written by anisogran.
+    """
     try:
-        with xr.open_datatree(path, engine="h5netcdf") as tree:
-            return tree.load()
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"{path}: not a readable results file ({str(error).splitlines()[0]})") from None
+        with xr.open_datatree(path, engine="h5netcdf", phony_dims="access") as tree:
+            tree = tree.load()
+    except (OSError, ValueError, KeyError, TypeError, RuntimeError, AttributeError) as error:  # what h5py makes of damaged files
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"{path}: not a readable results file ({reason})") from None
+    if "anisogran" not in tree.attrs:
+        raise InputError(f"{path}: not written by anisogran")
+    return tree
+
+
+def read_snapshot(dataset):
+    """The Snapshot that a group "snapshots/NAME" of a results file holds; `dataset` is that group, as tree node or Dataset.
+
+    Raises InputError if it holds none.
+    """
+    names = [field.name for field in fields(Snapshot) if field.name not in ("cell", "volume", "time")]
+    missing = [name for name in names if name not in dataset]
+    if missing:
+        raise InputError(f"read_snapshot: no variable {missing[0]!r}; it must be a group snapshots/NAME")
+    arrays = {name: dataset[name].values for name in names}
+    cell = dataset["cell"].values if "cell" in dataset else None
+    return Snapshot(**arrays, cell=cell, volume=float(dataset.attrs["volume"]), time=float(dataset.attrs["time"]))

@@ -31,7 +31,11 @@ def relaxation(eps_D, s, errors=None, until="peak", start=None):
     """
     if until not in ("peak", None):
         raise InputError(f"relaxation: until = {until!r} must be 'peak' or None")
+    if start is not None and not isinstance(start, dict):
+        raise InputError(f"relaxation: start = {start!r} must be a dict of s_0, s_max and beta")
     data = observations("relaxation", eps_D, s, errors, parameters=3)
+    if data.x[0] < -1e-3 * abs(data.x[-1]):
+        raise InputError(f"relaxation: eps_D = {data.x[0]:g} is negative; the law holds for loading, compression positive")
     used = data if until is None else data.part(slice(_end_of_rise(data.y)))
     if used.x.size < 3 or used.x[0] == used.x[-1]:
         raise InputError(f"relaxation: only {used.x.size} points up to the peak, cannot determine 3 parameters")

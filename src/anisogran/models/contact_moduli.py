@@ -30,6 +30,7 @@ def network_moduli(a2, a4, k_n, k_t, scale=1.0):
     the number (1/V) sum_c l^2, each contact once with its full branch l (no unit in two dimensions). A does not depend on k_t.
     Raises InputError for negative k_n, k_t or scale.
     """
+    a2, a4 = np.asarray(a2), np.asarray(a4)
     for key, value in (("k_n", k_n), ("k_t", k_t), ("scale", scale)):
         if np.any(np.real(value) < 0.0):
             raise InputError(f"network_moduli: {key} = {np.min(np.real(value)):g} must be at least 0")

@@ -52,6 +52,7 @@ def mobilised_angle(s_D):
 
 def peak_stress(p, phi, c):
     """sigma_zz on the yield line at the side pressure p: p K + 2 c sqrt(K), K = (1 + sin phi)/(1 - sin phi); unit of stress."""
+    p = np.asarray(p)
     root = np.cos(phi) / (1.0 - np.sin(phi))  # sqrt(K), analytic
     return p * root**2 + 2.0 * c * root
 

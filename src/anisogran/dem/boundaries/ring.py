@@ -39,7 +39,8 @@ class Ring:
     def __post_init__(self):
         checked("Ring", "radius", self.radius, above=0, unit="m")
         checked("Ring", "omega", self.omega, unit="1/s")
-        checked("Ring", "inner", self.inner, at_least=0)
+        if checked("Ring", "inner", self.inner, at_least=0) != int(self.inner):
+            raise InputError(f"Ring: inner = {self.inner} must be a whole number of grains")
         if not hasattr(self.rim, "parameters"):
             raise InputError(f"Ring: rim = {self.rim!r} is no motion (Fixed, Cosine, Pressure)")
 

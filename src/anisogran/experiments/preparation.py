@@ -1,8 +1,23 @@
-"""The gate between preparation and loading: a state that is not in equilibrium is refused, not used."""
+"""What all preparations share: start density, time step, damping, and the gate: a state not in equilibrium is refused, not used."""
+
+import math
 
 import numpy as np
 
+from anisogran.dem import longest_step
 from anisogran.outcome import RunFailed
+
+LOOSE = 0.4  # area fraction of the random start
+
+
+def quasi_static_step(contact, friction, mass):
+    """The time step of the experiments in s: a twentieth of the shortest contact time (restitution to 1.6 %), less for strong dashpots."""
+    return 0.25 * longest_step(contact, friction, None, mass)
+
+
+def background_drag(contact, mass):
+    """Damping of the preparation in kg/s: a mean grain loses its velocity within fifty of the shortest contact times."""
+    return float(mass.mean()) / (50 * math.pi * math.sqrt(0.5 * float(mass.min()) / contact.stiffest))
 
 
 def elastic_energy(snapshot, stiffness):
