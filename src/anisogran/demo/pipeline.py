@@ -35,8 +35,8 @@ class DemoScene:
             grains=1000, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.12, duration=0.25
         )
     )
-    ring: RingShear = field(default_factory=lambda: RingShear(travel=180.0))
-    inertial_numbers: tuple = tuple(np.geomspace(0.006, 0.12, 12).round(5))
+    ring: RingShear = field(default_factory=lambda: RingShear(travel=160.0))
+    inertial_numbers: tuple = tuple(np.geomspace(0.008, 0.12, 10).round(5))
     shear_grains: int = 400
     shear_strain: float = 4.0
 
