@@ -45,8 +45,10 @@ def made_up_run(noise=0.0, seed=0):
     )
     time = np.linspace(0, 2500, 11)
     steady = {"outer_radius": 15.0, "outer_pressure": 1.0, "wall_shear_stress": 0.45, "wall_pressure": 1.0}
-    series = xr.Dataset({name: ("time", np.full(11, value)) for name, value in steady.items()}, coords={"time": time})
-    snapshot = SimpleNamespace(mass=np.full(5, grain_mass), free=np.ones(5, bool))
+    transient = np.where(time > 20.0 / 0.04, 1.0, 1.7)  # the discarded travel over the speed: nothing of it may count
+    series = xr.Dataset({name: ("time", value * transient) for name, value in steady.items()}, coords={"time": time})
+    series["wall_pressure"] = ("time", np.full(11, 0.9))
+    snapshot = SimpleNamespace(mass=np.append(np.full(5, grain_mass), 99.0), free=np.arange(6) < 5)
     return SimpleNamespace(scene=scene, profiles=profiles, blocks=blocks, series=series, snapshots={"end": snapshot})
 
 
@@ -58,12 +60,25 @@ def test_equal_flows_do_not_differ():
     assert comparison.l2_noise == pytest.approx(0.01, rel=1e-6)
     assert comparison.log_rms < 1e-10
     assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate"}
+    assert comparison.stress_ratio_wall_dem == pytest.approx(0.45 / 0.9)
+
+
+def test_problem_of_the_comparison_is_that_of_the_run():
+    """Radii, speed, pressure of the steady part and the mass of a free grain."""
+    flow = ring_flow(made_up_run(), LAW)
+    assert (flow.r_inner, flow.r_outer, flow.wall_speed) == (6.0, pytest.approx(15.0), 0.04)
+    assert flow.outer_pressure == pytest.approx(1.0)
+    assert flow.grain_mass == pytest.approx(np.pi / 6)
 
 
 def test_local_law_is_told_apart():
     run = made_up_run()
-    comparison = compare(run, ring_flow(run, LocalMuI(0.28, 1.1)).solve(), "local")
+    flow = ring_flow(run, LocalMuI(0.28, 1.1)).solve()
+    comparison = compare(run, flow, "local")
     assert comparison.l2 > 0.5
+    table = comparison.table
+    assert relative_l2(table.v_phi.values, table.v_phi_dem.values, table.r.values) == pytest.approx(comparison.l2)
+    assert comparison.stress_ratio_wall_continuum == flow.stress_ratio_wall
     assert np.isnan(comparison.decay_length_continuum)  # it stands still beyond its layer
 
 
@@ -105,6 +120,25 @@ def test_decay_length_uses_only_resolved_rings():
     exact["v_phi_error"] = ("r", np.where(exact.depth > 5, 1.0, 1e-4))
     exact["v_phi"] = exact.v_phi.where(exact.depth < 5, 0.5)  # rubbish where the error says so
     assert decay_length(exact, exact.v_phi.values) == pytest.approx(1.3, rel=1e-4)  # the tolerance of the fit
+    exact["v_phi_error"][-1] = 1e-4  # a ring beyond the first that fails is no better for its small error
+    assert decay_length(exact, exact.v_phi.values) == pytest.approx(1.3, rel=1e-4)
+
+
+def test_decay_length_trusts_a_ring_by_its_error():
+    """One ring off by a fifth, with an error to match: it hardly counts beside rings that are known to a thousandth."""
+    profiles = made_up_run().profiles
+    exact = 0.03 * np.exp(-profiles.depth.values / 1.3)
+    profiles["v_phi"] = ("r", np.where(np.arange(8) == 4, 1.2, 1.0) * exact)
+    profiles["v_phi_error"] = ("r", np.where(np.arange(8) == 4, 0.25, 1e-3) * exact)
+    assert decay_length(profiles, profiles.v_phi.values) == pytest.approx(1.3, rel=1e-4)  # (1e-3/0.25)^2 of a fifth
+
+
+def test_noise_is_measured_over_the_area_of_the_rings():
+    run = made_up_run()
+    run.profiles["v_phi_error"] = ("r", 1e-4 * np.arange(1.0, 9.0))
+    r, v = run.profiles.r.values, run.profiles.v_phi.values
+    noise = compare(run, ring_flow(run, LAW).solve()).l2_noise
+    assert noise == pytest.approx(np.sqrt(np.sum(r * (1e-4 * np.arange(1, 9)) ** 2) / np.sum(r * v**2)))
 
 
 def test_a_run_of_one_block_is_compared_without_errors():
@@ -118,6 +152,11 @@ def test_a_run_of_one_block_is_compared_without_errors():
 
 def test_error_of_the_decay_length_is_the_scatter_of_the_blocks():
     assert decay_length_error(made_up_run()) < 1e-9
+    two = made_up_run()
+    depth = two.profiles.depth.values
+    two.profiles["v_phi"], two.profiles["v_phi_error"] = ("r", np.exp(-depth)), ("r", 1e-6 * np.exp(-depth))
+    two.blocks = xr.Dataset({"v_phi": (("block", "r"), [np.exp(-depth), np.exp(-depth / 1.2)])}, coords={"r": two.blocks.r})
+    assert decay_length_error(two) == pytest.approx(0.1, rel=1e-3)  # lengths 1.0 and 1.2: 0.2/sqrt(2)/sqrt(2)
     errors = [decay_length_error(made_up_run(noise=0.05, seed=seed)) for seed in range(10)]
     assert 0.002 < np.mean(errors) < 0.1
 

@@ -14,6 +14,10 @@ def test_checked_names_place_key_value_and_bound():
             checked("Luding", "k1", bad)
     with pytest.raises(InputError, match="must be at most 1"):
         checked("Friction", "mu", 2, at_most=1)
+    assert checked("Friction", "mu", 1, at_least=1, at_most=1) == 1.0
+    for bound, words in ({"above": 1}, "above 1"), ({"below": 1}, "below 1"):
+        with pytest.raises(InputError, match=f"mu = 1 must be {words}"):
+            checked("Friction", "mu", 1, **bound)
 
 
 def test_status_gets_worse_only():

@@ -12,6 +12,7 @@ def test_half_half_split_of_a_diagonal_tensor():
     assert tensors.deviator_size(t) == 1.0
     assert tensors.principal_angle(t) == 0.0
     assert tensors.principal_angle(np.diag([1.0, 3.0])) == pytest.approx(np.pi / 2)
+    assert tensors.principal_angle(np.array([[2.0, 2.0], [0.0, 1.0]])) == pytest.approx(0.5 * np.arctan(2.0))  # of the symmetric part
 
 
 def test_split_and_sum_give_the_tensor_back(rng):

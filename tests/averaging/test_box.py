@@ -73,6 +73,44 @@ def test_rattlers_are_removed_until_none_is_left():
     assert kept.all()
 
 
+def test_a_grain_of_a_rough_wall_bears_like_a_wall():
+    """A free grain between a wall and a wall grain has two contacts that count."""
+    pinched = make(
+        [[0, 0], [1, 0]], [0.5, 0.5], [(0, -1), (0, 1)], np.zeros((2, 2)), point=[[-0.5, 0], [0.5, 0]], fixed=np.array([False, True])
+    )
+    kept, live = backbone(pinched, contact_ends(pinched), least_contacts=2)
+    assert kept.tolist() == [True, False]
+    assert live.all()
+    assert float(average(pinched, fields=["coordination_number"], least_contacts=2).coordination_number) == 2.0
+
+
+def test_agitation_is_weighed_by_mass():
+    """The linear field that fits best by mass leaves c/m where c is at right angles to every linear field; wall grains count nowhere."""
+    corner = np.array([[0, 0], [2, 0], [0, 2], [2, 2], [5, 5]], float)
+    mass, c = np.array([1.0, 2.0, 4.0, 5.0, 100.0]), np.array([1.0, -1.0, -1.0, 1.0, 0.0])
+    velocity = corner @ [[0.3, 0.1], [-0.2, 0.4]] + np.outer(c / mass, [1.0, 2.0])
+    velocity[4] = [70.0, -30.0]
+    snapshot = make(corner, [0.5] * 5, [], [], mass=mass, velocity=velocity, fixed=np.arange(5) == 4, volume=3.0)
+    dynamic = average(snapshot, fields=["stress_dynamic"]).stress_dynamic
+    np.testing.assert_allclose(dynamic, np.outer([1, 2], [1, 2]) * np.sum(c**2 / mass) / 3.0, **EXACT)
+
+
+def test_fabric_is_weighed_by_the_area_of_each_disc():
+    box = average(make([[0, 0], [1.5, 0]], [0.5, 1.0], [(0, 1)], [(-1, 0)], volume=2.0), fields=["fabric"])
+    np.testing.assert_allclose(box.fabric, np.diag([np.pi * (0.25 + 1.0) / 2.0, 0]), **EXACT)
+
+
+def test_contact_network_weighs_by_squared_branch():
+    """One contact of branch 1.5 along the axis and one at a wall, 0.5 long, across it, as a whole turned by 30 degrees."""
+    axis, across = np.array([np.sqrt(3) / 2, 0.5]), np.array([-0.5, np.sqrt(3) / 2])
+    snapshot = make([0 * axis, 1.5 * axis], [0.5, 1.0], [(0, 1), (0, -1)], np.zeros((2, 2)), point=[0.5 * axis, 0.5 * across], volume=2.0)
+    for network in (contact_network(snapshot), contact_network(snapshot, angle=np.pi / 6)):
+        assert network.a2 == pytest.approx(2 * (2.25 - 0.25) / 2.5)
+        assert network.a4 == pytest.approx(2.0)
+        assert network.scale == pytest.approx(2.5 / 2.0)
+    assert contact_network(snapshot, angle=0.0).a2 == pytest.approx(1.6 * np.cos(np.pi / 3))
+
+
 def test_wall_grains_take_no_part():
     fixed = np.array([False, True])
     snapshot = make([[0, 0], [1, 0]], [0.5, 0.5], [(0, 1)], [(-3.0, 0)], fixed=fixed, volume=2.0)
@@ -172,6 +210,17 @@ def test_packing_between_walls_bears_what_the_walls_measure(rng):
     np.add.at(net, first, snapshot.force)
     np.add.at(net, second[second >= 0], -snapshot.force[second >= 0])
     np.testing.assert_allclose(net, sim.net_force, atol=1e-3 * np.abs(snapshot.force).max())
+
+
+def test_volume_is_that_of_the_cell_or_of_the_bounding_box():
+    discs = ([[0.0, 0.0], [3.0, 1.0]], [0.5, 1.0], [], [])
+    assert make(*discs).volume == pytest.approx((4.0 + 0.5) * (2.0 + 0.5))
+    assert make(*discs, cell=np.array([[4.0, 0.0], [1.0, 3.0]])).volume == pytest.approx(12.0)
+    assert make(*discs, cell=np.array([[0.0, 3.0], [4.0, 0.0]])).volume == pytest.approx(12.0)
+    with pytest.raises(InputError, match=r"volume = 0\.0 must be above 0"):
+        make(*discs, volume=0.0)
+    with pytest.raises(InputError, match=r"pairs must hold grain indices 0\.\.1"):
+        make([[0, 0], [1, 0]], [0.5] * 2, [(-1, 0)], [(0, 0)], point=[[0, 0]])
 
 
 def test_periodic_cell_gives_its_volume():

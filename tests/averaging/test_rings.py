@@ -39,6 +39,16 @@ def test_weights_of_a_disc_add_up_to_one(rng):
     assert weights.min() > -1e-12
 
 
+def test_tangency_leaves_no_rounding(rng):
+    """One rounding before the touch from outside or from inside: no area, or all of it, and no root of a negative number."""
+    disc, circle = rng.uniform(0.1, 1.0, 500), rng.uniform(1.5, 9.0, 500)
+    outside, inside = np.nextafter(disc + circle, 0), np.nextafter(circle - disc, 9)
+    # a chord at the distance eps from the rim cuts off eps^(3/2) r^2
+    np.testing.assert_allclose(area_inside_circle(outside, disc, circle), 0.0, atol=1e-14)
+    np.testing.assert_allclose(area_inside_circle(inside, disc, circle) / (np.pi * disc**2), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(area_inside_circle(np.nextafter(circle - disc, 9), circle, disc) / (np.pi * disc**2), 1.0, rtol=1e-12)
+
+
 def crowd(rng, count=4000):
     """Many discs at random in the annulus, overlapping or not: only for averages that do not ask for contacts."""
     r = np.sqrt(rng.uniform(3.0**2, 15.0**2, count))
@@ -86,6 +96,44 @@ def test_polar_components_of_one_contact():
     assert total[1, 1] == pytest.approx(length * np.cos(angle / 2) ** 2, rel=1e-12)
 
 
+def test_agitation_and_fabric_of_grains_on_a_circle():
+    """Discs within one ring that move in and out with u: sigma_rr = mass per area times u^2. A wall grain adds nothing."""
+    angle = np.arange(12) * np.pi / 6
+    out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    sign = np.where(np.arange(12) % 2 == 0, 1.0, -1.0)
+    fixed = np.arange(12) >= 10
+    snapshot = make(
+        8.5 * out, np.full(12, 0.2), [(0, -1), (1, -1)], np.zeros((2, 2)), point=8.7 * out[:2], mass=np.full(12, 3.0), fixed=fixed,
+        velocity=0.4 * sign[:, None] * out,
+    )  # fmt: skip
+    densities = ring_densities(snapshot, EDGES)
+    area = np.pi * np.diff(EDGES**2)
+    np.testing.assert_allclose(np.einsum("ijk,k->ij", densities["stress"], area), np.diag([10 * 3.0 * 0.4**2, 0]), atol=1e-12)
+    np.testing.assert_allclose(np.einsum("ijk,k->ij", densities["fabric"], area), np.diag([2 * np.pi * 0.04, 0]), atol=1e-12)
+    assert densities["mass"] @ area == pytest.approx(30.0)
+    assert densities["grains"] @ area == pytest.approx(10.0)
+
+
+def test_quotients_of_a_profile():
+    """v = b/r with b = 2, spin 0.3, grain mass 4, stress [[3, 0.5], [0.7, 1]]: shear rate 4/r^2, continuum spin 0, pressure 2."""
+    edges = np.linspace(5.0, 13.0, 65)
+    r, ones = 0.5 * (edges[1:] + edges[:-1]), np.ones(64)
+    stress = np.array([[3.0, 0.5], [0.7, 1.0]])[:, :, None] * ones
+    densities = {
+        "area_fraction": 0.8 * ones, "momentum": np.stack([0 * r, 0.8 * 2.0 / r]), "rotation": 0.8 * 0.3 * ones, "mass": 2.0 * ones,
+        "grains": 0.5 * ones, "stress": stress, "fabric": 2.0 * stress,
+    }  # fmt: skip
+    profile = ring_profiles(densities, edges)
+    np.testing.assert_allclose(profile.pressure, 2.0)
+    np.testing.assert_allclose(profile.stress_ratio, 0.6 / 2.0)
+    np.testing.assert_allclose(profile.s_D, np.hypot(1.0, 0.6) / 2.0)
+    np.testing.assert_allclose(profile.fabric_trace, 8.0)
+    np.testing.assert_allclose(profile.fabric_deviator, 2.0 * np.hypot(1.0, 0.6))
+    np.testing.assert_allclose(profile.inertial_number, profile.shear_rate * np.sqrt(4.0 / 2.0))
+    np.testing.assert_allclose(profile.eigen_rotation, 0.3 - profile.continuum_spin)
+    np.testing.assert_allclose(profile.eigen_rotation, 0.3, atol=1e-3)  # second order in the ring width: (1/8)^2 b/r^4
+
+
 def test_gradient_of_a_couette_profile(rng):
     """v = a r + b/r: shear rate 2 b/r^2 and continuum spin a, at second order in the ring width."""
     a, b = 0.1, 2.0
@@ -109,6 +157,9 @@ def test_block_errors_know_the_spread(rng):
     mean = mean_and_error(blocks)
     np.testing.assert_allclose(mean.v_error, 2.0 / np.sqrt(400), rtol=0.2)  # 1/sqrt(2*400) = 4 % each, five of them
     assert mean.attrs["blocks"] == 400
+    two = mean_and_error(xr.Dataset({"v": ("block", [1.0, 3.0])}))
+    assert float(two.v) == 2.0
+    assert float(two.v_error) == pytest.approx(1.0)  # sqrt(2) of n - 1, over sqrt(2)
     assert np.isnan(mean_and_error(blocks.isel(block=[0])).v_error).all()
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulation, collision_time
 from anisogran.dem.laws import luding, normal_force, tangential_force
+from anisogran.dem.pairs import pair_forces, scratch
 from anisogran.outcome import InputError
 
 K = 1e4
@@ -119,6 +120,36 @@ def test_friction_sticks_then_slides_at_the_limit():
     assert force == pytest.approx(-0.3)
     assert -law.stiffness * spring == pytest.approx(force)
     assert tangential_force(law, 0.02, 0.0, 0.0, 0.1) == (pytest.approx(0.0), pytest.approx(0.0))  # no normal force, no friction
+
+
+def test_a_sliding_spring_gives_way_to_the_dashpot():
+    """Dashpot included: sticking, the force is k stretch + g slip; sliding, spring and dashpot together are at the limit."""
+    law = Friction(10.0, 0.5, 0.3, damping=2.0).parameters()
+    assert tangential_force(law, 0.0, 0.1, 1.0, 0.1) == (pytest.approx(-0.3), pytest.approx(0.01))
+    force, spring = tangential_force(law, 0.0, 1.0, 1.0, 0.1)
+    assert force == pytest.approx(-0.3)
+    assert -law.stiffness * spring - law.damping * 1.0 == pytest.approx(force)
+
+
+def test_the_bound_of_friction_is_the_normal_force_with_its_dashpot():
+    """Linear: the whole force, whatever its sign; Luding: measured from the adhesive limit, so that tension leaves friction."""
+    linear = Linear(10.0, 2.0).parameters()
+    assert normal_force(linear, 0.1, -0.5, 0.0)[:2] == (pytest.approx(2.0), pytest.approx(2.0))
+    assert normal_force(linear, 0.1, 1.5, 0.0)[:2] == (pytest.approx(-2.0), pytest.approx(2.0))
+    plastic = Luding(1.0, 2.0, 1.0, 2.0).parameters()  # at d = 0.6 with d_max = 1: elastic 0.2, limit -0.6
+    assert normal_force(plastic, 0.6, -0.25, 1.0)[:2] == (pytest.approx(0.7), pytest.approx(1.3))
+
+
+def test_an_open_contact_forgets():
+    """Two grains that have parted leave no force and no memory: the next contact loads along k1, with a relaxed spring."""
+    out, largest, spring = scratch(1), np.array([0.1]), np.array([0.1])
+    first, second = np.array([0], np.uint32), np.array([1], np.uint32)
+    laws = (Luding(1.0, 2.0, 1.0).parameters(), Friction(1.0, 0.5, damping=0.1).parameters())
+    still, past = np.zeros(2), np.array([0.0, 1.0])
+    pair_forces.py_func(
+        np.array([0.0, 1.1]), still, still, past, still, np.full(2, 0.5), first, second, *laws, None, largest, spring, out, 0.1
+    )
+    assert (largest[0], spring[0], out.force_x[0], out.force_y[0], out.torque_first[0]) == (0, 0, 0, 0, 0)
 
 
 @pytest.mark.parametrize("law", EVERY_LAW.values(), ids=lambda law: type(law).__name__)

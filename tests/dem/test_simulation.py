@@ -12,9 +12,10 @@ import pytest
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Open, Periodic, Pressure, Ring, Simulation
 from anisogran.dem.boundaries import periodic
 from anisogran.dem.kernel import OPTIONS
-from anisogran.dem.neighbours import empty_pair_list, find_pairs
+from anisogran.dem.neighbours import PairList, carry_over, empty_pair_list, find_pairs
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.dem.pairs import pair_forces
+from anisogran.dem.simulation import collision_time
 from anisogran.outcome import InputError, RunFailed
 
 LAW = Luding(5e4, 1e5, 2e4, 0.1)
@@ -137,11 +138,73 @@ def test_contact_memory_survives_a_rebuild(rng):
     np.testing.assert_allclose(narrow.position, wide.position, atol=1e-12)
 
 
+def test_memory_follows_its_pair_to_another_place():
+    """Pairs 01, 02, 12 hold 1, 2, 3; in the list 02, 13, 12 they are found again, and the new pair begins with nothing."""
+    old = PairList(np.array([0, 0, 1]), np.array([1, 2, 2]), np.array([0, 2, 3, 3, 3]))
+    new = PairList(np.array([0, 1, 1]), np.array([2, 3, 2]), np.array([0, 1, 3, 3, 3]))
+    memory = np.array([1.0, 2.0, 3.0])
+    carry_over.py_func(old, new, memory)
+    np.testing.assert_array_equal(memory, [2.0, 0.0, 3.0])
+
+
 def test_lists_grow_when_needed(rng):
-    """A loose start that is compressed needs more pairs than it began with; no contact is lost on the way."""
+    """A skin that reaches everywhere lists every pair, more than there is room for at first."""
     grains, side = crowd(rng, count=40, fraction=0.05)
     sim = Simulation(grains, Linear(1e5, 0.1), boundary=Box(side, side), skin=10 * side)
     assert sim.counters["pairs"] == 40 * 39 // 2
+
+
+@pytest.mark.parametrize("name", ["box", "periodic"])
+def test_lists_grow_during_a_run(name):
+    """Grains are pressed together until the list that they began with is too short: bit for bit the run that had room from the start."""
+    rng = np.random.default_rng(1)
+    side, count = 24.0, 64
+    position = 3.0 * np.stack(np.meshgrid(np.arange(8), np.arange(8)), -1).reshape(-1, 2) + 1.5
+    grains = Grains(position, rng.uniform(0.5, 0.8, count), mass=np.ones(count), velocity=rng.normal(0, 0.5, (count, 2)))
+    boundary = {
+        "box": Box(side, side, right=Pressure(20.0, 30.0, 200.0), top=Cosine(side, 0.4 * side, 3.0)),
+        "periodic": Periodic(side, side, shear_rate=0.2, pressure=5.0, viscosity=15.0),
+    }[name]
+    short, roomy = (Simulation(grains, Luding(500.0, 1e3, 200.0, 5.0), Friction(200.0, 0.5), boundary, skin=3.0) for _ in range(2))
+    roomy._state.counters.pairs[0] = 5000
+    roomy._make_room()
+    room = short._state.pairs.first.size
+    for sim in (short, roomy):
+        sim.run(2000)
+    assert short._state.pairs.first.size > room
+    np.testing.assert_array_equal(state(short), state(roomy))
+    assert short.counters == roomy.counters
+    assert short.counters["late_builds"] == 0
+
+
+@pytest.mark.parametrize("share", [0.35, 0.05])
+def test_the_list_is_rebuilt_before_grains_can_meet(share):
+    """Two grains just out of each other's list fly together, each `share` of the skin in ten steps: nothing is late, nothing is missed."""
+    law, skin = Linear(1e3), 0.1
+    speed = share * skin / (10 * collision_time(law, np.ones(2)) / 50)
+    grains = Grains([[0.0, 0.0], [1.0 + 1.02 * skin, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[speed, 0.0], [-speed, 0.0]])
+    alone, listed = Simulation(grains, law, skin=skin), Simulation(grains, law, skin=5.0)
+    for sim in (alone, listed):
+        sim.run(int(1.02 / (0.2 * share)) + 20)  # to the touch and 20 of the 50 steps of the contact
+    assert listed.counters["builds"] == 1
+    assert alone.counters["late_builds"] == 0
+    assert abs(alone.velocity[0, 0]) < 0.9 * speed  # they have met
+    np.testing.assert_array_equal(alone.position, listed.position)
+
+
+def test_kinetic_energy_is_that_of_the_free_grains():
+    """m v^2/2 and I w^2/2 with I = 0.4 m a^2; what is driven holds no energy, and is marked as wall in the snapshot."""
+    grains = Grains(
+        [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]], [0.5, 1.0, 0.5], mass=[2.0, 3.0, 5.0], velocity=[[1.0, 2.0], [0, 1.0], [7.0, 7.0]],
+        spin=[4.0, -1.0, 9.0], driven=1,
+    )  # fmt: skip
+    sim = Simulation(grains, Linear(1e4), friction=Friction(1e4, 0.5))
+    assert sim.kinetic_energy() == pytest.approx(0.5 * (2 * 5 + 3 * 1 + 0.4 * (2 * 0.25 * 16 + 3 * 1 * 1)))
+    assert sim.snapshot().fixed.tolist() == [False, False, True]
+
+
+def test_mass_is_that_of_a_sphere():
+    assert Grains([[0.0, 0.0]], [2.0], density=3.0).mass[0] == pytest.approx(32 * np.pi)
 
 
 def test_momentum_is_conserved_in_the_periodic_cell(rng):

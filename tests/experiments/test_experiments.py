@@ -1,16 +1,23 @@
 """Small versions of the experiments: each protocol runs for real, and the physics that must hold on any size holds."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from anisogran import Biaxial, RingShear, SimpleShear
-from anisogran.dem import Friction, Linear, Luding
+from anisogran import Biaxial, RingShear, SimpleShear, average
+from anisogran import open as open_results
+from anisogran.dem import Friction, Linear, Luding, Simulation
+from anisogran.experiments import simple_shear
+from anisogran.experiments.equilibrium import elastic_energy, relax
+from anisogran.experiments.experiment import Watch
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, RunFailed, Status
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +69,28 @@ def test_same_seed_same_bits(biaxial):
     np.testing.assert_array_equal(again.snapshots["end"].force, biaxial.snapshots["end"].force)
 
 
+def test_series_repeats_the_averages_of_its_snapshots(biaxial, shear):
+    """The last row, and the row of the peak, are the averages of the snapshots that are kept; without friction 3 contacts hold a grain."""
+    highest = int(np.argmax(biaxial.series.s_D.values))
+    for name, k in (("start", 0), ("peak", highest), ("end", -1)):
+        row, box = biaxial.series.isel(time=k), average(biaxial.snapshots[name], least_contacts=2)
+        fabric, stress = box.fabric.values, box.stress.values
+        assert float(row.sigma_zz) == stress[1, 1]
+        assert float(row.sigma_xx) == stress[0, 0]
+        assert float(row.s_D) == pytest.approx((stress[1, 1] - stress[0, 0]) / (stress[0, 0] + stress[1, 1]))
+        assert float(row.fabric_deviator) == pytest.approx(0.5 * (fabric[1, 1] - fabric[0, 0]))
+        assert float(row.anisotropy) == pytest.approx(4 * float(row.fabric_deviator) / float(row.fabric_trace))
+        assert float(row.coordination_number) == float(box.coordination_number)
+    row, box = shear.series.isel(time=-1), average(shear.snapshots["end"], least_contacts=2)
+    stress = box.stress.values
+    assert float(row.pressure) == pytest.approx(0.5 * (stress[0, 0] + stress[1, 1]))
+    half = 0.5 * (stress[0, 1] + stress[1, 0])
+    assert float(row.s_D) == pytest.approx(np.hypot(0.5 * (stress[0, 0] - stress[1, 1]), half) / float(row.pressure))
+    assert float(row.stress_ratio) == pytest.approx(-half / float(row.pressure))
+    assert float(row.anisotropy) == pytest.approx(float(box.anisotropy))
+    assert float(row.coordination_number) == float(box.coordination_number)
+
+
 def test_everything_is_labelled(biaxial, ring, shear):
     for dataset in (biaxial.series, ring.series, ring.profiles, shear.series):
         for name in dataset.data_vars:
@@ -108,6 +137,22 @@ def test_ring_shears_next_to_its_inner_wall(ring):
     assert float(ring.profiles.v_phi_error[0]) > 0
 
 
+def test_the_wall_of_the_ring_measures_its_contacts(ring):
+    """Torque and pressure on the inner ring are the moments and radial forces of the contacts on its discs, about the axis."""
+    snapshot, scene, row = ring.snapshots["end"], ring.scene, ring.series.isel(time=-1)
+    inner = np.flatnonzero(snapshot.fixed & (np.hypot(*snapshot.position.T) < scene.inner_radius))
+    on_ring = np.isin(snapshot.pairs[:, 1], inner)
+    force, point = -snapshot.force[on_ring], snapshot.point[on_ring]
+    torque = np.sum(point[:, 0] * force[:, 1] - point[:, 1] * force[:, 0])
+    length = 2 * np.pi * scene.inner_radius
+    # the forces of the series are those of the half step, with other dashpots: measured 1e-4
+    assert float(row.wall_shear_stress) == pytest.approx(-torque / (scene.inner_radius * length), rel=2e-3)
+    centre = snapshot.position[snapshot.pairs[on_ring, 1]]
+    radial = np.sum(centre * force) / np.hypot(*centre.T).mean()
+    assert float(row.wall_pressure) == pytest.approx(-radial / length, rel=2e-3)
+    np.testing.assert_allclose(ring.profiles.depth, (ring.profiles.r - scene.inner_radius) / scene.mean_diameter)
+
+
 def test_homogeneous_shear_is_steady_under_its_pressure(shear):
     steady = shear.scene.steady(shear.series)
     assert float(steady.sigma_yy.mean()) == pytest.approx(1.0, rel=0.03)
@@ -139,6 +184,88 @@ def test_progress_is_reported():
     SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1, samples_per_strain=50).run(progress=seen.append)
     assert seen[-1] == 1.0
     assert all(b >= a for a, b in pairwise(seen))
+
+
+def test_no_state_passes_the_gate_but_equilibrium():
+    """relax() comes back only if kinetic energy, stress and the contacts themselves are as wanted; else it raises."""
+    force = np.array([[3.0, 4.0]])
+
+    def gate(kinetic, error, force=force):
+        grains = SimpleNamespace(
+            snapshot=lambda: SimpleNamespace(force=force), kinetic_energy=lambda: kinetic, grains=[0], run=lambda steps: None
+        )
+        relax(grains, Watch(), 5.0, lambda: error, chunk=10, attempts=3)
+
+    assert elastic_energy(SimpleNamespace(force=force), 5.0) == 2.5  # f^2/(2 k)
+    gate(kinetic=2.4e-5, error=0.009)
+    for kinetic, error, bad in ((2.6e-5, 0.0, force), (0.0, 0.011, force), (0.0, 0.0, np.zeros((0, 2)))):
+        with pytest.raises(RunFailed, match="no equilibrium after 30 steps of relaxation"):
+            gate(kinetic, error, bad)
+
+
+def grown_late(number, mass=1e-6):
+    return SimpleNamespace(counters={"late_builds": number}, grains=SimpleNamespace(mass=np.full(3, mass)))
+
+
+def test_biaxial_warnings():
+    scene = Biaxial(pressure=100.0, strain=0.1, duration=1.0)
+
+    def judge(side, late=0, mass=1e-6):
+        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), grown_late(late, mass)))
+
+    assert judge(101.9) == "ok"
+    assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
+    assert judge(100.0, mass=1.0) == "warned: inertial number up to 0.031: not quasi-static"  # 2 * 0.1 pi/2 * sqrt(1/100)
+    assert judge(100.0, late=2) == "warned: 2 neighbour lists were built late"
+
+
+def test_ring_shear_warnings():
+    scene = RingShear()
+
+    def judge(v_phi, late=0):
+        return str(scene.judge(xr.Dataset({"v_phi": (("block", "r"), np.outer(v_phi, [1.0, 1.0]))}), None, grown_late(late)))
+
+    assert judge([1.0, 1.1, 1.0, 1.1, 1.0, 1.1]) == "ok"
+    assert judge([1.0, 1.1, 1.0, 1.1]) == "warned: only 4 blocks: the error bars are rough"
+    assert judge([1.0, 1.1, 1.2, 1.7, 1.8, 1.9]).startswith("warned: not steady: the velocity in the second ring drifts by 8.6 standard")
+    assert judge([1.0] * 6, late=3) == "warned: 3 neighbour lists were built late"
+
+
+def test_simple_shear_starts_in_flow_and_warns(monkeypatch):
+    """The sheared stage begins with the linear velocity profile; drift and late lists reach the status."""
+    begun, next_stage, counters = [], Simulation.next_stage, Simulation.counters.fget
+
+    def spy(self, **changes):
+        begun.append((changes["velocity"] - self.velocity, self.position))
+        return next_stage(self, **changes)
+
+    monkeypatch.setattr(Simulation, "next_stage", spy)
+    monkeypatch.setattr(Simulation, "counters", property(lambda self: {**counters(self), "late_builds": 2}))
+    monkeypatch.setattr(simple_shear, "drift", lambda values: 5.0)
+    scene = SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1)
+    run = scene.run()
+    (velocity, position), rate = begun[0], float(run.series.strain[-1] / run.series.time[-1])
+    np.testing.assert_allclose(velocity, np.outer(position[:, 1], [rate, 0.0]), atol=1e-12)
+    assert run.status.reasons == ("not steady: the stress ratio drifts by 5.0 standard errors", "2 neighbour lists were built late")
+
+
+def test_work_is_counted_after_the_compilation():
+    watch = Watch()
+    for _ in range(3):
+        watch.run(SimpleNamespace(run=lambda steps: None, grains=range(7)), 5)
+    assert watch.grain_steps == 1 + 2 * 5 * 7
+
+
+def test_a_saved_run_holds_all_of_it(ring, tmp_path):
+    """Every group comes back, with status and provenance at the root."""
+    replace(ring, status=Status().warn("for a reason")).save(tmp_path / "ring.h5")
+    tree = open_results(tmp_path / "ring.h5")
+    assert tree.attrs["status"] == "warned: for a reason"
+    assert tree.attrs["late_builds"] == 0
+    assert float(tree["snapshots/end"].attrs["time"]) == ring.snapshots["end"].time > 0
+    np.testing.assert_array_equal(tree["snapshots/end"]["fixed"], ring.snapshots["end"].fixed)
+    for name in ("series", "profiles", "blocks"):
+        xr.testing.assert_equal(tree[name].to_dataset(), getattr(ring, name))
 
 
 @pytest.mark.parametrize(

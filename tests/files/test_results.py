@@ -31,11 +31,13 @@ def test_a_failing_write_keeps_the_old_file(tmp_path):
 def test_snapshot_has_all_its_arrays():
     snapshot = Snapshot(
         [[0.0, 0.0], [0.9, 0.0]], [0.5, 0.5], [1.0, 1.0], np.zeros((2, 2)), np.zeros(2), np.array([[0, 1]]), [[-1.0, 0]], [[0.45, 0]],
-        [0.1],        cell=4 * np.eye(2),
+        [0.1], cell=4 * np.eye(2), fixed=[False, True], time=0.25,
     )  # fmt: skip
     data = snapshot_dataset(snapshot)
     assert data.sizes == {"grain": 2, "axis": 2, "contact": 1, "partner": 2, "lattice": 2}
     assert data.attrs["volume"] == pytest.approx(16.0)
+    assert data.attrs["time"] == 0.25
+    assert data.fixed.values.tolist() == [0, 1]
     assert all("units" in data[name].attrs for name in data)
 
 

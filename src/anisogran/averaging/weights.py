@@ -17,14 +17,14 @@ def area_inside_circle(distance, radius, circle):
     area[around & ~inside] = np.pi * circle[around & ~inside] ** 2
     cut = ~inside & ~around & (distance < radius + circle)
     d, a, c = distance[cut], radius[cut], circle[cut]
-    # signed distances of the common chord from the two centres; the clip takes off rounding at tangency, where the area is 0 or all
-    from_disc = np.clip((d * d + a * a - c * c) / (2 * d), -a, a)
-    from_origin = np.clip(d - from_disc, -c, c)
+    # signed distances of the common chord from the two centres, and half its length (Heron); each factor is exact where it vanishes
+    from_disc = (d * d + a * a - c * c) / (2 * d)
+    chord = np.sqrt((a + c - d) * (d - (c - a)) * (d - (a - c)) * (a + c + d)) / (2 * d)
 
     def segment(height, r):
-        return r * r * np.arccos(height / r) - height * np.sqrt(r * r - height * height)
+        return r * r * np.arctan2(chord, height) - height * chord
 
-    area[cut] = segment(from_disc, a) + segment(from_origin, c)
+    area[cut] = segment(from_disc, a) + segment(d - from_disc, c)
     return area
 
 

@@ -94,9 +94,12 @@ def find_pairs(x, y, radius, movable, cell, skin, pairs):
     """Fills the list with all pairs closer than radii + skin, at least one of them movable (index < movable).
 
     Returns the number of pairs; if it exceeds the capacity the list is unusable and the caller has to make room and search again.
+    Returns -1 for a periodic cell narrower than twice the reach, where a pair could be found with two of its images.
     """
     n = x.size
     reach = 2.0 * radius.max() + skin
+    if cell is not None and min(cell.width, cell.height) < 2.0 * reach:
+        return -1
     px, py, owner = images(x, y, cell, reach)
     columns, cell_of, start, order = cell_order(px, py, reach)
     m = order.size

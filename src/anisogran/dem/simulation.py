@@ -14,6 +14,7 @@ from anisogran.dem.laws import NORMAL_LAWS, Friction
 from anisogran.dem.neighbours import empty_pair_list
 from anisogran.dem.pairs import scratch
 from anisogran.dem.stepping import (
+    CELL_TOO_SMALL,
     DEEP_OVERLAP,
     DONE,
     LIST_FULL,
@@ -34,6 +35,7 @@ CAUSES = {
     NOT_FINITE: "its position is not a finite number; the time step is too long or a force has blown up",
     DEEP_OVERLAP: "it overlaps a neighbour by more than half a radius; the load is too high for the stiffness, or the time step too long",
     TOO_FAST: "it moves more than half the smallest radius in one step; faster than contacts can be found",
+    CELL_TOO_SMALL: "the periodic cell is narrower than four of its radii and two skins; a contact would meet its own image",
     OUTSIDE: "its centre lies beyond a wall; the wall is too soft for the load, or the grain too fast for the time step",
 }
 STARTS = {

@@ -19,7 +19,7 @@ CHECK_EVERY = 10  # steps between two looks at how far the grains have moved sin
 
 DEEP_EVERY = 100  # steps between two looks for overlaps that no contact law is meant for
 
-DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST = range(6)
+DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST, CELL_TOO_SMALL = range(7)
 
 
 class Body(NamedTuple):
@@ -131,10 +131,17 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
     cell = lattice(boundary)
     old = PairList(pairs.first.copy(), pairs.second.copy(), pairs.start.copy())
     counters.pairs[0] = find_pairs(body.x, body.y, body.radius, movable, cell, skin, pairs)
+    if counters.pairs[0] < 0:
+        counters.grain[0] = body.radius.argmax()
+        return CELL_TOO_SMALL
     if counters.pairs[0] > pairs.first.size:
         pairs.first[:] = old.first
         pairs.second[:] = old.second
         pairs.start[:] = old.start
+        # the list stays due, but the grains may have been wrapped: from here no way would be known
+        body.built_x[:] = body.x
+        body.built_y[:] = body.y
+        counters.travel[0] = skin
         return LIST_FULL
     carry_over(old, pairs, largest)
     carry_over(old, pairs, spring)
@@ -191,7 +198,7 @@ def run_steps(
                 turn(spin, torque, inverse_inertia, movable, owed, 0.0)
                 owed = 0.0
                 code = rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters)
-                counters.late[0] += code == DONE and approach > skin
+                counters.late[0] += code in (DONE, LIST_FULL) and approach > skin
             elif counters.step[0] % DEEP_EVERY == 0:
                 deep = deepest_pair(body, pairs, lattice(boundary))
                 if deep >= 0:

@@ -43,6 +43,7 @@ class Periodic:
     """Periodic cell of width by height (m), sheared at shear_rate (1/s).
 
     With a `pressure` (N/m) the height is free and relaxes with `viscosity` (N s/m); without one the volume is fixed.
+    A run stops where the cell gets narrower or lower than four of the largest radii and two skins: contacts would meet their own images.
     Raises InputError for values out of bounds.
     """
 

@@ -1,0 +1,220 @@
+"""Walls, rings and the periodic cell: their geometry and motion in exact cases, most of them without a compiled kernel."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Ring, Simulation
+from anisogran.dem.boundaries import advance, settle, touch
+from anisogran.dem.boundaries.motion import move
+from anisogran.dem.stepping import Body, kick_and_drift
+from anisogran.dem.walls import WallList, find_wall_contacts, wall_contact
+from anisogran.outcome import RunFailed
+
+
+def body(position, velocity=0.0, radius=0.5, mass=1.0):
+    """The arrays of the kernel for a few grains."""
+    x, y = np.array(position, float).T.copy()
+    vx, vy = np.broadcast_to(np.asarray(velocity, float), (len(x), 2)).T.copy()
+    full = np.full(len(x), 1.0)
+    return Body(x, y, vx, vy, 0 * x, 0 * x, radius * full, full / mass, x.copy(), y.copy())
+
+
+def test_every_wall_of_a_box_pushes_inwards():
+    state = Box(4.0, 3.0).state()
+    state.velocity[:] = [1.0, 2.0, 3.0, 4.0]
+    place = {0: (0.4, 1.5), 1: (3.6, 1.5), 2: (2.0, 0.4), 3: (2.0, 2.6)}
+    normal = {0: (-1, 0), 1: (1, 0), 2: (0, -1), 3: (0, 1)}
+    for wall in range(4):
+        overlap, nx, ny, vx, vy = touch(state, wall, *place[wall], 0.5)
+        assert overlap == pytest.approx(0.1)
+        assert (nx, ny) == normal[wall]
+        assert (vx, vy) == ((wall + 1.0, 0.0) if wall < 2 else (0.0, wall + 1.0))
+
+
+def test_every_pressed_wall_of_a_box_yields_outwards():
+    """m dv = (F - p length - c v) dt with the dashpot implicit; p acts on the height at the sides, on the width at bottom and top."""
+    wall, dt = Pressure(2.0, mass=4.0, damping=3.0), 0.1
+    state = Box(5.0, 7.0, left=wall, right=wall, bottom=wall, top=wall).state()
+    state.force[:] = [15.0, 16.0, 17.0, 18.0]  # outward; 14 and 10 would balance
+    way = advance(state, None, None, 0, 1.0, dt, dt)
+    speed = dt * (state.force - 2.0 * np.array([7.0, 7.0, 5.0, 5.0])) / 4.0 / (1 + dt * 3.0 / 4.0)
+    sense = np.array([-1.0, 1.0, -1.0, 1.0])
+    np.testing.assert_allclose(state.velocity, sense * speed, rtol=1e-14)
+    np.testing.assert_allclose(state.position, [0.0, 5.0, 0.0, 7.0] + sense * speed * dt, rtol=1e-14)
+    assert way == pytest.approx(speed.max() * dt)
+
+
+def test_cosine_waits_for_its_beginning():
+    motion = Cosine(4.0, 3.0, duration=2.0, begin=5.0).parameters()
+    for time, position, speed in ((4.0, 4.0, 0.0), (5.0, 4.0, 0.0), (6.0, 3.5, -math.pi / 4), (7.0, 3.0, 0.0), (9.0, 3.0, 0.0)):
+        found = move(motion, 4.0, 0.0, 0.0, 1.0, 1.0, time, 0.1)
+        assert found == (pytest.approx(position), pytest.approx(speed, abs=1e-15))
+
+
+def test_outer_grains_press_on_their_ring():
+    """Radial piston: m dv = (F on the ring + radial force of the driven grains - 2 pi R p - c v) dt, and the grains move along."""
+    dt, p = 0.1, 1.0
+    state = Ring(2.0, rim=Pressure(p, mass=4.0, damping=3.0), inner=1).state()
+    state.force[0] = 5.0
+    grains = body([[0.5, 0.0], [1.0, 0.0], [1.2, 1.6], [0.0, -2.0]])  # free, inner, outer, outer
+    grains.fx[:], grains.fy[:] = [9.0, 9.0, 3.0, 1.0], [9.0, 9.0, 4.0, -20.0]
+    way = advance(state, grains, None, 1, 1.0, dt, dt)
+    speed = dt * (5.0 + 5.0 + 20.0 - 2 * math.pi * 2.0 * p) / 4.0 / (1 + dt * 3.0 / 4.0)
+    assert state.velocity[0] == pytest.approx(speed, rel=1e-14)
+    assert way == pytest.approx(speed * dt)
+    np.testing.assert_allclose(grains.x[2:], [0.6 * (2 + way), 0.0], atol=1e-14)
+    np.testing.assert_allclose(grains.vy, [0.0, 0.0, 0.8 * speed, -speed], atol=1e-14)
+
+
+def test_a_grain_that_leaves_the_sheared_cell_changes_its_velocity():
+    """Through the top it comes back at the bottom, shifted by the offset and slower by rate times height; through the side nothing."""
+    state = Periodic(4.0, 3.0, shear_rate=0.5).state()
+    state.lattice[2:] = [1.0, 0.2, 0.9]
+    grains = body([[2.5, 3.1], [1.5, -0.1], [4.2, 1.0]], [0.0, 0.3])
+    settle(state, grains)
+    np.testing.assert_allclose(grains.x, [1.5, 2.5, 0.2], atol=1e-15)
+    np.testing.assert_allclose(grains.y, [0.1, 2.9, 1.0], atol=1e-15)
+    np.testing.assert_allclose(grains.vx, [-1.5, 1.5, 0.0], atol=1e-15)
+    np.testing.assert_array_equal(grains.vy, 0.3)
+    np.testing.assert_array_equal(state.lattice, [4.0, 3.0, 1.0, 0.0, 1.0])
+
+
+def test_the_offset_of_the_sheared_cell_stays_within_its_width():
+    """By how much the image above is shifted is known only up to a width; kept small, it keeps its digits in a long run."""
+    state = Periodic(4.0, 3.0, shear_rate=0.5).state()
+    for _ in range(30):
+        advance(state, body([[1.0, 1.0]]), None, 1, 1.0, 0.0, 0.1)
+    assert state.lattice[2] == pytest.approx(0.5)  # 30 * 0.1 * 0.5 * 3.0 = 4.5
+    assert state.lattice[3] == pytest.approx(1.5)
+
+
+def test_friction_at_a_wall():
+    """A disc in a ring, at 30 degrees: normal force and tangential dashpot in closed form; the wall feels the opposite of the grain."""
+    k, g, g_t, overlap, spin, outward, along, ring_speed = 1e3, 5.0, 2.0, 0.02, 3.0, 0.4, -0.7, 0.25
+    n = np.array([math.cos(math.pi / 6), 0.5])
+    t = np.array([-n[1], n[0]])
+    grains = Grains([(1.5 + overlap) * n], [0.5], mass=[1.0], velocity=[outward * n + along * t], spin=[spin])
+    boundary = Ring(2.0, rim=Pressure(1.0, mass=1.0, damping=0.0))
+    friction = Friction(1e3, 10.0, damping=g_t)
+    sim = Simulation(grains, Luding(k, k, damping=g), friction=friction, boundary=boundary, wall_friction=friction)
+    sim.walls.velocity[0] = ring_speed
+    sim._force()
+    arm = 0.5 - overlap / 2
+    fn, ft = k * overlap + g * (outward - ring_speed), g_t * (along + arm * spin)  # on the wall
+    np.testing.assert_allclose(sim.net_force[0], -fn * n - ft * t, rtol=1e-12)
+    assert sim.torque[0] == pytest.approx(-arm * ft, rel=1e-12)
+    assert sim.walls.force[0] == pytest.approx(fn, rel=1e-12)
+    assert sim.walls.traction[0] == pytest.approx(ft, rel=1e-12)
+    snapshot = sim.snapshot()
+    assert snapshot.pairs.tolist() == [[0, -1]]
+    np.testing.assert_allclose(snapshot.force[0], sim.net_force[0], rtol=1e-12)
+    np.testing.assert_allclose(snapshot.point[0], 2.0 * n, rtol=1e-12)  # on the wall
+    sim._state.wall_largest[:], sim._state.wall_spring[:] = 0.01, 0.5  # a step would load the one and cut the other
+    sim.snapshot()
+    assert (sim._state.wall_largest.item(), sim._state.wall_spring.item()) == (0.01, 0.5)
+
+
+def test_every_wall_has_its_own_memory():
+    """A grain at the right wall unloads from what it remembers there, not elsewhere; away from the wall it forgets that alone."""
+    state = Box(4.0, 3.0).state()
+    law, friction = Luding(1.0, 2.0, 0.0).parameters(), Friction(1.0, 10.0).parameters()
+    largest, spring = np.array([[0.3], [0.18], [0.3], [0.3]]), np.full((4, 1), 0.01)
+    candidates = WallList(np.array([0]), np.array([1]), np.array([1]))
+    contact = wall_contact.py_func(state, body([[3.6, 1.5]]), np.zeros(1), 0, candidates, law, friction, largest, spring, 0.0)
+    assert contact[5:] == (pytest.approx(2.0 * 0.1 - 1.0 * 0.18), pytest.approx(-0.01))
+    wall_contact.py_func(state, body([[3.4, 1.5]]), np.zeros(1), 0, candidates, law, friction, largest, spring, 0.0)
+    np.testing.assert_array_equal(largest, [[0.3], [0.0], [0.3], [0.3]])
+    np.testing.assert_array_equal(spring, [[0.01], [0.0], [0.01], [0.01]])
+
+
+def test_a_wall_lists_what_is_within_the_skin():
+    candidates = WallList(np.zeros(8, int), np.zeros(8, int), np.zeros(1, int))
+    find_wall_contacts.py_func(Box(4.0, 3.0).state(), body([[3.41, 1.5], [3.39, 1.5]]), 2, 0.1, candidates)
+    assert (candidates.size[0], candidates.grain[0], candidates.wall[0]) == (1, 0, 1)  # gaps 0.09 and 0.11
+
+
+@pytest.mark.parametrize("skin", [0.1, 1e-3])
+def test_a_moving_wall_finds_a_grain_at_rest(skin):
+    """The way of the walls counts when the list is judged, so the top meets the grain although that has not moved at all.
+
+    With a skin thinner than the way of the wall in ten steps the list is built late, which has to be counted.
+    """
+    box = Box(2.0, 4.0, top=Cosine(4.0, 0.85, duration=10.0))
+    sim = Simulation(Grains([[1.0, 0.5]], [0.4], mass=[1e6]), Linear(10.0), boundary=box, dt=1e-3, skin=skin)
+    sim.run(10_000)
+    assert sim.walls.force[3] == pytest.approx(10.0 * 0.05, rel=1e-4)  # the grain yields by F t^2/2m, some 1e-6
+    assert (sim.counters["late_builds"] > 0) == (skin < 0.01)
+
+
+def test_a_collapsing_cell_stops_at_its_pressure():
+    """Four discs in a column, apart and at rest, carried together by the cell: in the end four contacts bear pressure times width."""
+    k, pressure, width = 1e3, 2.5, 4.0
+    grains = Grains([[1.0, 1.0], [1.0, 3.0], [1.0, 5.0], [1.0, 7.0]], np.full(4, 0.5), mass=np.ones(4))
+    cell = Periodic(width, 8.0, pressure=pressure, viscosity=25.0)
+    sim = Simulation(grains, Linear(k, 20.0), boundary=cell)
+    sim.run(10_000)
+    # force balance of a column in series; the relaxation has long ended
+    assert sim.walls.lattice[1] == pytest.approx(4 * (1 - pressure * width / k), rel=1e-9)
+    assert sim.counters["late_builds"] == 0
+
+
+def test_affine_motion_alone_hardly_wears_the_list():
+    """Grains that flow with the sheared cell approach by strain times reach, however far up they are: a list per 0.086 of strain."""
+    position = np.array([[1.0, 1.0], [1.0, 3.0], [1.0, 5.0], [1.0, 7.0]])
+    grains = Grains(position, np.full(4, 0.5), mass=np.ones(4), velocity=np.outer(position[:, 1], [0.1, 0.0]))
+    sim = Simulation(grains, Linear(1e3), boundary=Periodic(4.0, 8.0, shear_rate=0.1), skin=0.1)
+    sim.run(int(0.2 / 0.1 / sim.dt))
+    assert sim.counters["builds"] == 3  # 0.95 * 0.1 / 1.1 of strain each: two within 0.2, after the first
+    assert sim.counters["late_builds"] == 0
+
+
+def test_deep_overlap_is_seen_across_the_border():
+    with pytest.raises(RunFailed, match="overlaps a neighbour by more than half a radius"):
+        Simulation(Grains([[0.1, 1.0], [3.9, 1.0]], [0.5, 0.5]), Linear(1e3), boundary=Periodic(4.0, 3.0))
+
+
+def test_a_cell_too_small_for_its_images_is_refused():
+    """Narrower than twice the reach of the list, a pair would be listed with two images and feel its force twice."""
+    pair = Grains([[0.5, 0.5], [1.45, 0.5]], [0.5, 0.5], mass=[1.0, 1.0])
+    sim = Simulation(pair, Linear(1e3), boundary=Periodic(2.3, 4.0), skin=0.1)
+    np.testing.assert_allclose(sim.net_force[:, 0], [-50.0, 50.0], rtol=1e-12)
+    for size in ((2.1, 4.0), (4.0, 2.1)):
+        with pytest.raises(RunFailed, match="the periodic cell is narrower than four of its radii and two skins"):
+            Simulation(pair, Linear(1e3), boundary=Periodic(*size), skin=0.1)
+    sim = Simulation(pair, Linear(1e3), boundary=Periodic(4.0, 4.0, pressure=1e3, viscosity=1e3), skin=0.1)
+    with pytest.raises(RunFailed, match=r"stopped at step \d+ .* the periodic cell is narrower"):
+        sim.run(5000)
+
+
+def test_drag_acts_in_every_half_kick():
+    """v <- v + h (f - drag v)/m, twice, in both directions; the driven grain takes no part."""
+    grains = body(np.zeros((2, 2)), [3.0, -2.0], mass=2.0)
+    b = grains
+    kick_and_drift.py_func(b.x, b.y, b.vx, b.vy, b.fx, b.fy, b.inverse_mass, 0.5, 1, 0.1, 0.2, 0.5)
+    factor = (1 - 0.1 * 0.25) * (1 - 0.2 * 0.25)
+    np.testing.assert_allclose([b.vx, b.vy], [[3.0 * factor, 3.0], [-2.0 * factor, -2.0]], rtol=1e-14)
+    np.testing.assert_allclose([b.x, b.y], [[1.5 * factor, 0.0], [-factor, 0.0]], rtol=1e-14)
+
+
+def test_the_next_stage_begins_with_the_forces_of_the_last():
+    """Every contact memory is handed over: largest overlap and spring, of pairs and at the wall. Without dashpots no force changes."""
+    boundary = Ring(2.0, rim=Pressure(1.0, mass=1e3, damping=0.0))
+    friction, law = Friction(5e2, 0.5), Luding(5e2, 1e3, 100.0)
+    grains = Grains([[1.49, 0.0], [0.47, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[0.5, 0.3], [1.0, 0.0]], spin=[3.0, -2.0])
+    sim = Simulation(grains, law, friction=friction, boundary=boundary, wall_friction=friction)
+    sim.run(120)
+    s = sim._state
+    memory = [s.largest[:1], s.spring[:1], s.wall_largest, s.wall_spring]
+    assert all(part.any() for part in memory)
+    stage = sim.next_stage(boundary=replace(boundary, radius=float(sim.walls.position[0])))
+    np.testing.assert_array_equal(stage.spin, sim.spin)
+    np.testing.assert_allclose(stage.net_force, sim.net_force, rtol=1e-12)
+    np.testing.assert_allclose(stage.torque, sim.torque, rtol=1e-12)
+    fresh = Simulation(replace(grains, position=sim.position, velocity=sim.velocity), law, friction, stage.boundary, friction)
+    assert np.all(np.abs(fresh.net_force - sim.net_force).max(axis=1) > 0.1)  # the memory matters for both grains
+    s.largest[0], s.spring[0] = 1e-6, 0.5  # a step would load the one and cut the other; a snapshot must not
+    sim.snapshot()
+    assert (s.largest[0], s.spring[0]) == (1e-6, 0.5)
