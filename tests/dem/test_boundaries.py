@@ -11,7 +11,7 @@ from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
 from anisogran.dem.stepping import Body, kick_and_drift
 from anisogran.dem.walls import WallList, find_wall_contacts, wall_contact
-from anisogran.outcome import RunFailed
+from anisogran.outcome import InputError, RunFailed
 
 
 def body(position, velocity=0.0, radius=0.5, mass=1.0):
@@ -172,7 +172,7 @@ def test_affine_motion_alone_hardly_wears_the_list():
 
 
 def test_deep_overlap_is_seen_across_the_border():
-    with pytest.raises(RunFailed, match="overlaps a neighbour by more than half a radius"):
+    with pytest.raises(InputError, match="overlaps a neighbour by more than half a radius"):
         Simulation(Grains([[0.1, 1.0], [3.9, 1.0]], [0.5, 0.5]), Linear(1e3), boundary=Periodic(4.0, 3.0))
 
 
@@ -182,7 +182,7 @@ def test_a_cell_too_small_for_its_images_is_refused():
     sim = Simulation(pair, Linear(1e3), boundary=Periodic(2.3, 4.0), skin=0.1)
     np.testing.assert_allclose(sim.net_force[:, 0], [-50.0, 50.0], rtol=1e-12)
     for size in ((2.1, 4.0), (4.0, 2.1)):
-        with pytest.raises(RunFailed, match="the periodic cell is narrower than four of its radii and two skins"):
+        with pytest.raises(InputError, match="is too large for the periodic cell"):
             Simulation(pair, Linear(1e3), boundary=Periodic(*size), skin=0.1)
     sim = Simulation(pair, Linear(1e3), boundary=Periodic(4.0, 4.0, pressure=1e3, viscosity=1e3), skin=0.1)
     with pytest.raises(RunFailed, match=r"stopped at step \d+ .* the periodic cell is narrower"):

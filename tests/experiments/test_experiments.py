@@ -13,8 +13,8 @@ from anisogran import Biaxial, RingShear, SimpleShear, average
 from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
-from anisogran.experiments.equilibrium import elastic_energy, relax
 from anisogran.experiments.experiment import Watch
+from anisogran.experiments.preparation import elastic_energy, relax
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
@@ -203,32 +203,43 @@ def test_no_state_passes_the_gate_but_equilibrium():
             gate(kinetic, error, bad)
 
 
-def grown_late(number, mass=1e-6):
-    return SimpleNamespace(counters={"late_builds": number}, grains=SimpleNamespace(mass=np.full(3, mass)))
+def grown_late(late, mass=1e-6, overlap=0.0):
+    """What a judge asks of a simulation: lists built late, the mass of the grains, and overlaps of grains of radius 1."""
+    snapshot = SimpleNamespace(overlap=np.full(3, overlap), radius=np.ones(4))
+    grains = SimpleNamespace(mass=np.array([mass]))
+    return SimpleNamespace(counters={"late_builds": late}, grains=grains, snapshot=lambda: snapshot)
 
 
 def test_biaxial_warnings():
     scene = Biaxial(pressure=100.0, strain=0.1, duration=1.0)
 
-    def judge(side, late=0, mass=1e-6):
-        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), grown_late(late, mass)))
+    def judge(side, **simulation):
+        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), grown_late(**{"late": 0, **simulation})))
 
     assert judge(101.9) == "ok"
     assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
     assert judge(100.0, mass=1.0) == "warned: inertial number up to 0.031: not quasi-static"  # 2 * 0.1 pi/2 * sqrt(1/100)
     assert judge(100.0, late=2) == "warned: 2 neighbour lists were built late"
+    assert judge(100.0, overlap=0.04) == "ok"
+    assert judge(100.0, overlap=0.06) == "warned: the mean overlap is 6.0% of the mean radius: too soft for this load"
 
 
 def test_ring_shear_warnings():
     scene = RingShear()
 
-    def judge(v_phi, late=0):
-        return str(scene.judge(xr.Dataset({"v_phi": (("block", "r"), np.outer(v_phi, [1.0, 1.0]))}), None, grown_late(late)))
+    def judge(v_phi, late=0, inertial=0.01, pressure=1.0):
+        profile = (("block", "r"), np.outer(v_phi, [1.0, 1.0]))
+        blocks = xr.Dataset({"v_phi": profile, "inertial_number": (("block", "r"), np.full((len(v_phi), 2), inertial))})
+        series = xr.Dataset({"outer_pressure": ("time", np.full(10, pressure))}, coords={"time": np.arange(10.0)})
+        return str(scene.judge(blocks, series, grown_late(late)))
 
     assert judge([1.0, 1.1, 1.0, 1.1, 1.0, 1.1]) == "ok"
     assert judge([1.0, 1.1, 1.0, 1.1]) == "warned: only 4 blocks: the error bars are rough"
     assert judge([1.0, 1.1, 1.2, 1.7, 1.8, 1.9]).startswith("warned: not steady: the velocity in the second ring drifts by 8.6 standard")
     assert judge([1.0] * 6, late=3) == "warned: 3 neighbour lists were built late"
+    assert judge([1.0] * 6, inertial=0.3) == "warned: inertial number up to 0.3: far from quasi-static"
+    assert judge([1.0] * 6, pressure=1.1) == "warned: the mean outer pressure is 1.10 times the one asked for"
+    assert judge([1.0]) == "warned: one block only: no error bars"
 
 
 def test_simple_shear_starts_in_flow_and_warns(monkeypatch):
@@ -246,7 +257,8 @@ def test_simple_shear_starts_in_flow_and_warns(monkeypatch):
     run = scene.run()
     (velocity, position), rate = begun[0], float(run.series.strain[-1] / run.series.time[-1])
     np.testing.assert_allclose(velocity, np.outer(position[:, 1], [rate, 0.0]), atol=1e-12)
-    assert run.status.reasons == ("not steady: the stress ratio drifts by 5.0 standard errors", "2 neighbour lists were built late")
+    assert run.status.reasons[0].startswith("the mean vertical stress is 1.2")  # 60 grains over half a strain: not yet settled
+    assert run.status.reasons[1:] == ("not steady: the stress ratio drifts by 5.0 standard errors", "2 neighbour lists were built late")
 
 
 def test_work_is_counted_after_the_compilation():

@@ -42,6 +42,7 @@ STARTS = {
     NOT_FINITE: "is not at a finite place",
     DEEP_OVERLAP: "overlaps a neighbour by more than half a radius",
     OUTSIDE: "has its centre beyond a wall",
+    CELL_TOO_SMALL: "is too large for the periodic cell, which must be wider and higher than four radii and two skins,",
 }
 
 
@@ -138,7 +139,7 @@ class Simulation:
             reach=2 * largest_radius + skin,
             step_limit=0.5 * float(grains.radius.min()),
             out=scratch(),
-            counters=Counters(*(np.zeros(1, np.int64) for _ in range(5)), np.zeros(1)),
+            counters=Counters(*(np.zeros(1, np.int64) for _ in range(5)), np.zeros(2)),
         )
         self._chunk = 100  # steps in one compiled call; adapted to the speed
         self._build(predecessor)
@@ -158,22 +159,12 @@ class Simulation:
                         setattr(s, name, theirs.copy())
                     elif not of_walls:
                         setattr(s, name, np.zeros(s.pairs.first.size))
-        self._check_cell()
         while (code := self._rebuild()) == LIST_FULL:
             self._make_room()
         if code != DONE and predecessor is None:
             i = int(s.counters.grain[0])
             raise InputError(f"Simulation: grain {i} at ({s.body.x[i]:.6g}, {s.body.y[i]:.6g}) m {STARTS[code]} at the start")
         self._raise_unless_done(code)
-
-    def _check_cell(self):
-        """A periodic cell must be so large that no grain meets two images of another, or its own."""
-        lattice = getattr(self._state.boundary, "lattice", None)
-        if lattice is not None and min(lattice[:2]) < 2 * self._state.reach:
-            least = 2 * self._state.reach
-            raise InputError(
-                f"Simulation: the periodic cell of {lattice[0]:g} x {lattice[1]:g} m must be {least:g} m wide and high at least"
-            )
 
     def _rebuild(self):
         s = self._state
@@ -231,7 +222,6 @@ class Simulation:
                 self._make_room()
                 continue
             self._raise_unless_done(code)
-            self._check_cell()
             seconds = time.perf_counter() - clock
             self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.4 / seconds)))
 

@@ -45,7 +45,7 @@ class Counters(NamedTuple):
     late: np.ndarray
     pairs: np.ndarray
     grain: np.ndarray
-    travel: np.ndarray  # since the list was built, m
+    travel: np.ndarray  # (2,) m: since the list was built, and in the last step
 
 
 @kernel
@@ -192,7 +192,7 @@ def run_steps(
                 code = NOT_FINITE
             elif speed * dt > step_limit:
                 code = TOO_FAST
-            elif approach + 2.0 * speed * CHECK_EVERY * dt > 0.95 * skin:
+            elif approach + CHECK_EVERY * (2.0 * speed * dt + counters.travel[1]) > 0.95 * skin:
                 # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
                 kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, 0.0, 0.0)
                 turn(spin, torque, inverse_inertia, movable, owed, 0.0)
@@ -209,7 +209,8 @@ def run_steps(
         kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, half, dt)
         turn(spin, torque, inverse_inertia, movable, owed, half)
         counters.step[0] += 1
-        counters.travel[0] += advance(boundary, body, spin, movable, reach, counters.step[0] * dt, dt)
+        counters.travel[1] = advance(boundary, body, spin, movable, reach, counters.step[0] * dt, dt)
+        counters.travel[0] += counters.travel[1]
         add_all_forces(
             body, spin, torque, pairs, wall_list, largest, spring, wall_largest, wall_spring,
             normal, friction, wall_friction, boundary, out, dt,
