@@ -69,14 +69,16 @@ class Watch:
         self.progress = progress or (lambda fraction: None)
         self.seconds = 0.0
         self.grain_steps = 0
+        self._warm = None  # the simulation whose kernels are compiled
 
     def run(self, simulation, steps):
-        """Advances the simulation and counts; the first steps of a process include compilation, which is not counted as speed."""
-        clock, compiled = time.perf_counter(), self.grain_steps > 0
+        """Advances the simulation and counts; the first call of a simulation may compile, and is not counted as speed."""
+        clock = time.perf_counter()
         simulation.run(steps)
-        if compiled:
+        if simulation is self._warm:
             self.seconds += time.perf_counter() - clock
-        self.grain_steps += steps * len(simulation.grains) if compiled else 1
+            self.grain_steps += steps * len(simulation.grains)
+        self._warm = simulation
 
 
 def labelled_series(rows, experiment):
