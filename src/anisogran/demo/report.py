@@ -66,7 +66,7 @@ def grains(findings):
         "Force chains in the biaxial box: lines join the centres of touching grains, as wide as the force is strong.",
     )
     yield picture(
-        plots.packings([cell["end"]], ["ring shear cell, after the last turn"], size=6.5),
+        plots.packings([cell["end"]], ["ring shear cell at the end"], size=6.5),
         "Force chains in the ring shear cell. The inner ring of dark discs turns counter-clockwise, the outer one presses inwards.",
     )
 
