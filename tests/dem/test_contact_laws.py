@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulation, collision_time
+from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulation, collision_time, longest_step
 from anisogran.dem.laws import luding, normal_force, tangential_force
 from anisogran.dem.pairs import pair_forces, scratch
 from anisogran.outcome import InputError
@@ -166,6 +166,22 @@ def test_oblique_impact_never_gains_energy(law):
         gain.append(sim.kinetic_energy() / before - 1)
         np.testing.assert_allclose(sim.velocity.sum(axis=0), v, atol=1e-12)  # momentum, to rounding
     assert max(gain) < 1e-3
+
+
+def test_stiff_friction_shortens_the_step():
+    """k_t far above k_n: the default step follows the tangential oscillation, and no angle of impact gains energy."""
+    mass = np.ones(2)
+    soft, stiff = (longest_step(Linear(K), Friction(share * K, 0.5), None, mass) for share in (0.6, 100.0))
+    assert soft == pytest.approx(math.pi / 5 * math.sqrt(0.5 / K), rel=1e-2)
+    assert stiff == pytest.approx(0.3 * math.pi * math.sqrt(0.5 / (350 * K)))
+    for angle in np.radians([5, 30, 60, 85]):
+        v = [-math.cos(angle), math.sin(angle)]
+        grains = Grains([[0.0, 0.0], [1.0, 0.0]], [0.5, 0.5], mass=mass, velocity=[[0.0, 0.0], v])
+        sim = Simulation(grains, Linear(K), friction=Friction(100 * K, 0.5))
+        before = sim.kinetic_energy()
+        sim.run(5000)
+        assert np.hypot(*(sim.position[1] - sim.position[0])) > 1.0  # apart again
+        assert sim.kinetic_energy() < before * (1 + 1e-3)
 
 
 @pytest.mark.parametrize("angle", [75, 80, 85])

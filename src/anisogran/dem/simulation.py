@@ -58,18 +58,20 @@ def collision_time(normal, mass):
 
 
 def longest_step(normal, friction, drag, mass):
-    """The longest time step that is allowed, in s: a fifth of the shortest undamped contact time, less where a dashpot is strong.
+    """The longest time step that is allowed, in s: a fifth of the shortest undamped contact time, less for strong dashpots or friction.
 
     The dashpots are explicit: a step beyond 2 m12/damping would turn damping into driving. A quarter of that leaves room for grains with
-    many contacts. The tangential one also turns the grains, which makes it 3.5 times as effective.
+    many contacts. A tangential force also turns the grains, which makes it 1 + 1/0.4 = 3.5 times as effective on spheres; its
+    oscillation may take 0.3 of its half period, so that k_t up to 0.6 of the normal stiffness leaves the step as it is.
     """
     lightest = float(np.min(mass))
     reduced = 0.5 * lightest
-    limits = [math.pi * math.sqrt(reduced / normal.stiffest) / 5]
-    for damping, inertia in ((normal.damping, reduced), (3.5 * friction.damping if friction else 0.0, reduced), (drag or 0.0, lightest)):
-        if damping > 0:
-            limits.append(0.5 * inertia / damping)
-    return min(limits)
+    limits = [math.pi / 5 * math.sqrt(reduced / normal.stiffest)]
+    dashpots = [(normal.damping, reduced), (drag or 0.0, lightest)]
+    if friction is not None:
+        limits.append(0.3 * math.pi * math.sqrt(reduced / (3.5 * friction.stiffness)))
+        dashpots.append((3.5 * friction.damping, reduced))
+    return min(limits + [0.5 * inertia / damping for damping, inertia in dashpots if damping > 0])
 
 
 def check_effects(grains, normal, friction, wall_friction, boundary):
@@ -104,7 +106,7 @@ class Simulation:
         n = len(grains)
         movable = n - grains.driven
         drag = None if drag is None else checked("Simulation", "drag", drag, above=0, unit="kg/s")
-        limit = longest_step(normal, friction, drag, grains.mass)
+        limit = min(longest_step(normal, rubbing, drag, grains.mass) for rubbing in (friction, wall_friction))
         self.dt = 0.1 * limit if dt is None else checked("Simulation", "dt", dt, above=0, at_most=limit, unit="s")
         self.grains, self.boundary = grains, boundary
         self.effects = {"normal": normal, "friction": friction, "wall_friction": wall_friction, "drag": drag}
