@@ -91,7 +91,7 @@ def ring_flow(run, law):
     """The RingFlow of the cell that `run` (a RingShear) simulated: its radii, speed and the DEM's own mean radial stress as pressure."""
     scene = run.scene
     grain_mass = float(run.snapshots["end"].mass[run.snapshots["end"].free].mean())
-    steady = run.series.isel(time=run.series.time.values > scene.discard * scene.mean_diameter / scene.wall_speed)
+    steady = scene.steady(run.series)
     return RingFlow(
         r_inner=scene.inner_radius,
         r_outer=float(steady.outer_radius.mean()),
@@ -126,12 +126,12 @@ def compare(run, flow, name="continuum"):
         attrs={"law": str(flow.problem.law), "scene": scene.model_dump_json()},
     )
     r = profiles.r.values
-    steady = run.series.isel(time=run.series.time.values > scene.discard * scene.mean_diameter / scene.wall_speed)
+    steady = scene.steady(run.series)
     return Comparison(
         name=name,
         table=table,
         l2=relative_l2(v_phi, profiles.v_phi.values, r),
-        l2_noise=float(np.sqrt(np.sum(r * profiles.v_phi_error.values**2) / np.sum(r * profiles.v_phi.values**2))),
+        l2_noise=relative_l2(profiles.v_phi.values + profiles.v_phi_error.values, profiles.v_phi.values, r),
         log_rms=log_rms(profiles, v_phi),
         decay_length_dem=decay_length(profiles, profiles.v_phi.values),
         decay_length_continuum=decay_length(profiles, v_phi),

@@ -234,7 +234,7 @@ class Simulation:
         where both stages have the effect. `position` and `velocity` may be given anew.
         """
         position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
-        grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin, mass=self.grains.mass)
+        grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin)
         arguments = {**self.effects, "dt": self.dt, "skin": self._state.skin, **changes}
         return Simulation(grains, boundary=boundary, predecessor=self, **arguments)
 

@@ -1,6 +1,5 @@
 """The report of the demo: report.html for people, results.h5 for programs. Every number in it was computed by this run."""
 
-import os
 from dataclasses import asdict
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import numpy as np
 import anisogran
 from anisogran import plots
 from anisogran.demo.page import heading, number, page, paragraph, picture, table
-from anisogran.files import json_text, save_results
+from anisogran.files import json_text, save_results, write_text
 from anisogran.glossary import CONVENTIONS
 
 
@@ -17,9 +16,7 @@ def write_report(findings, folder):
     """Writes report.html and results.h5 into the folder, each replaced only when it is complete."""
     folder = Path(folder)
     parts = [*summary(findings), *grains(findings), *law(findings), *ring(findings), *provenance(findings)]
-    temporary = folder / "report.html.tmp"
-    temporary.write_text(page("anisogran demo: from grains to the continuum and back", parts), encoding="utf-8")
-    os.replace(temporary, folder / "report.html")
+    write_text(folder / "report.html", page("anisogran demo: from grains to the continuum and back", parts))
     save_results(folder / "results.h5", datasets(findings), {"numbers": json_text(findings.numbers), "seed": findings.scene.seed})
 
 

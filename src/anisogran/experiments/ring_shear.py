@@ -175,6 +175,10 @@ class RingShear(Experiment):
             "kinetic_energy": simulation.kinetic_energy(),
         }
 
+    def steady(self, series):
+        """The part of the series after the discarded travel."""
+        return series.isel(time=series.time.values > self.discard * self.mean_diameter / self.wall_speed)
+
     def judge(self, blocks, series, simulation):
         """Warnings a reader must see: too few blocks, drift, stale neighbour lists."""
         status = squeezed(simulation)

@@ -1,6 +1,6 @@
 """Files that other programs can read."""
 
-from anisogran.files.numbers import check_writable, json_text, write_json
+from anisogran.files.numbers import check_writable, json_text, write_json, write_text
 from anisogran.files.results import open, read_snapshot, save_results, snapshot_dataset
 
-__all__ = ["check_writable", "json_text", "open", "read_snapshot", "save_results", "snapshot_dataset", "write_json"]
+__all__ = ["check_writable", "json_text", "open", "read_snapshot", "save_results", "snapshot_dataset", "write_json", "write_text"]

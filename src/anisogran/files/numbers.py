@@ -1,4 +1,4 @@
-"""Numbers as JSON, and whether a file can be written at all."""
+"""Text files: numbers as JSON, replaced in one go, and whether a file can be written at all."""
 
 import json
 import math
@@ -32,8 +32,13 @@ def json_text(numbers):
     return json.dumps(plain, indent=2, allow_nan=False)
 
 
+def write_text(path, text):
+    """Writes a text file; an older file is replaced only when all is written."""
+    temporary = Path(f"{path}.tmp")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, path)
+
+
 def write_json(path, numbers):
     """Writes a flat dict as a JSON file; an older file is replaced only when all is written."""
-    temporary = Path(f"{path}.tmp")
-    temporary.write_text(json_text(numbers) + "\n", encoding="utf-8")
-    os.replace(temporary, path)
+    write_text(path, json_text(numbers) + "\n")
