@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from crowds import FRICTION, LAW, crowd, state
 
-from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Simulation
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Simulation, collision_time
 from anisogran.dem.boundaries import periodic
 from anisogran.dem.neighbours import PairList, carry_over, empty_pair_list, find_pairs
 from anisogran.dem.packing import uniform_radii
-from anisogran.dem.simulation import collision_time
 
 
 @pytest.mark.parametrize("cell", [None, "periodic"])
@@ -71,9 +70,9 @@ def test_lists_grow_during_a_run(name):
     grains = Grains(position, rng.uniform(0.5, 0.8, count), mass=np.ones(count), velocity=rng.normal(0, 0.5, (count, 2)))
     boundary = {
         "box": Box(side, side, right=Pressure(20.0, 30.0, 200.0), top=Cosine(side, 0.4 * side, 3.0)),
-        "periodic": Periodic(side, side, shear_rate=0.2, pressure=5.0, viscosity=15.0),
+        "periodic": Periodic(side, side, shear_rate=0.2, pressure=(None, 5.0), viscosity=15.0),
     }[name]
-    short, roomy = (Simulation(grains, Luding(500.0, 1e3, 200.0, 5.0), Friction(200.0, 0.5), boundary, skin=3.0) for _ in range(2))
+    short, roomy = (Simulation(grains, Luding(500.0, 1e3, 200.0, 5.0), Friction(200.0, 0.5), boundary=boundary, skin=3.0) for _ in range(2))
     roomy._state.counters.pairs[0] = 5000
     roomy._make_room()
     room = short._state.pairs.first.size

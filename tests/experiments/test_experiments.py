@@ -103,14 +103,14 @@ def test_provenance_tells_scene_and_effects(biaxial):
     p = biaxial.provenance
     assert json.loads(p["scene"])["friction"]["mu"] == 0.5
     assert "Friction" in p["active_effects"]
-    assert p["absent_effects"] == "wall_friction, drag"
+    assert p["absent_effects"] == "rolling, gravity, wall_friction, drag"
     assert p["late_builds"] == 0
     assert p["particle_steps_per_s"] > 1e5
 
 
 def test_frictionless_scene_leaves_friction_out():
     run = Biaxial(grains=60, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
-    assert run.provenance["absent_effects"] == "friction, wall_friction, drag"
+    assert run.provenance["absent_effects"] == "friction, rolling, gravity, wall_friction, drag"
     np.testing.assert_array_equal(run.snapshots["end"].spin, 0.0)
 
 

@@ -3,7 +3,8 @@
 from anisogran.dem.boundaries import Box, Cosine, Fixed, Open, Periodic, Pressure, Ring
 from anisogran.dem.grains import Grains
 from anisogran.dem.laws import NORMAL_LAWS, Friction, Linear, Luding
-from anisogran.dem.simulation import Simulation, collision_time, longest_step
+from anisogran.dem.limits import collision_time, longest_step
+from anisogran.dem.simulation import Simulation
 
 __all__ = [
     "NORMAL_LAWS", "Box", "Cosine", "Fixed", "Friction", "Grains", "Linear", "Luding", "Open", "Periodic", "Pressure", "Ring",

@@ -1,27 +1,38 @@
 """The contacts at one instant, written out for the averages. Nothing of the run is changed: contact memory is copied first."""
 
+import math
+
 import numpy as np
 
 from anisogran.dem.boundaries import lattice
-from anisogran.dem.kernel import kernel
-from anisogran.dem.pairs import pair_forces, scratch, separation
+from anisogran.dem.kernel import block, kernel
+from anisogran.dem.pairs import BLOCK, pair_forces, scratch, separation
+from anisogran.dem.rows import DX, DY, FX, FY, SUM_RADIUS, pair_columns
 from anisogran.dem.walls import wall_contact
 
 
 @kernel
-def pair_table(body, spin, pairs, normal, friction, boundary, largest, spring, out):
-    """Fills `out` for all pairs of the list, and returns the branch vectors, shape (pairs, 2)."""
+def pair_table(body, pairs, normal, friction, boundary, largest, spring, out):
+    """Of all pairs in the list: branch vector (n, 2), overlap (n,) and force on the second grain (n, 2)."""
     used = pairs.start[-1]
-    first = pairs.first[:used]
-    second = pairs.second[:used]
     cell = lattice(boundary)
-    pair_forces(body.x, body.y, body.vx, body.vy, spin, body.radius, first, second, normal, friction, cell, largest, spring, out, 0.0)
     branch = np.empty((used, 2))
-    for k in range(used):
-        i = first[k]
-        j = second[k]
-        branch[k, 0], branch[k, 1], _, _ = separation(cell, body.x[j] - body.x[i], body.y[j] - body.y[i], 0.0, 0.0)
-    return branch
+    overlap = np.empty(used)
+    force = np.empty((used, 2))
+    for begin in range(0, used, BLOCK):
+        size = min(BLOCK, used - begin)
+        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs)
+        memory = block(largest, begin, begin + size)
+        springs = block(spring, begin, begin + size)
+        pair_forces(out.pairs, size, normal, friction, cell, memory, springs, None, out, 0.0)
+        for k in range(size):
+            dx, dy, _, _ = separation(cell, out.pairs[DX, k], out.pairs[DY, k], 0.0, 0.0)
+            branch[begin + k, 0] = dx
+            branch[begin + k, 1] = dy
+            overlap[begin + k] = out.pairs[SUM_RADIUS, k] - math.sqrt(dx * dx + dy * dy)
+            force[begin + k, 0] = out.force[FX, k]
+            force[begin + k, 1] = out.force[FY, k]
+    return branch, overlap, force
 
 
 @kernel
@@ -43,20 +54,20 @@ def wall_table(boundary, body, spin, wall_list, normal, friction, largest, sprin
 
 
 def contact_table(state):
-    """Closed contacts of a simulation's state: pairs (C, 2), force on the first grain (C, 2), point (C, 2), overlap (C,)."""
-    used = int(state.pairs.start[-1])
-    out = scratch(used)
-    largest = None if state.largest is None else state.largest[:used].copy()
-    spring = None if state.spring is None else state.spring[:used].copy()
-    branch = pair_table(state.body, state.spin, state.pairs, state.normal, state.friction, state.boundary, largest, spring, out)
-    closed = out.overlap > 0
-    pairs = np.stack([state.pairs.first[:used][closed], state.pairs.second[:used][closed]], axis=1).astype(np.int64)
-    force = -np.stack([out.force_x[closed], out.force_y[closed]], axis=1)
-    branch = branch[closed]
-    overlap = out.overlap[closed]
-    arm = state.body.radius[pairs[:, 0]] - 0.5 * overlap
-    centre = np.stack([state.body.x, state.body.y], axis=1)[pairs[:, 0]]
-    point = centre + branch * (arm / np.hypot(branch[:, 0], branch[:, 1]))[:, None]
+    """Closed contacts of a simulation's state: pairs (C, 2), force on the first grain (C, 2), point (C, 2), overlap (C,).
+
+    Grains have the numbers that the user gave them.
+    """
+    memories = (None if memory is None else memory.copy() for memory in (state.largest, state.spring))
+    branch, overlap, force = pair_table(
+        state.body, state.pairs, state.normal, state.friction, state.boundary, *memories, scratch(virial=False)
+    )
+    closed = np.flatnonzero(overlap > 0)
+    first, second = state.pairs.first[closed].astype(np.int64), state.pairs.second[closed].astype(np.int64)
+    branch, overlap, force = branch[closed], overlap[closed], -force[closed]
+    arm = state.body.radius[first] - 0.5 * overlap
+    point = state.body.rows[first, :2] + branch * (arm / np.hypot(branch[:, 0], branch[:, 1]))[:, None]
+    pairs = np.stack([state.order[first], state.order[second]], axis=1)
 
     if state.wall_list is None:
         return pairs, force, point, overlap
@@ -65,7 +76,7 @@ def contact_table(state):
         state.boundary, state.body, state.spin, state.wall_list, state.normal, state.wall_friction, *memories
     )
     closed = np.flatnonzero(wall_overlap > 0)
-    wall_pairs = np.stack([state.wall_list.grain[closed], -1 - state.wall_list.wall[closed]], axis=1)
+    wall_pairs = np.stack([state.order[state.wall_list.grain[closed]], -1 - state.wall_list.wall[closed]], axis=1)
     return (
         np.concatenate([pairs, wall_pairs]),
         np.concatenate([force, wall_force[closed]]),

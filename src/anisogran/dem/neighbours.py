@@ -21,7 +21,8 @@ class PairList(NamedTuple):
 
 
 def empty_pair_list(grains, capacity):
-    """A list without pairs, with room for `capacity` of them."""
+    """A list without pairs, with room for at least `capacity` of them; a multiple of eight, and every entry the number of a grain."""
+    capacity = -(-capacity // 8) * 8
     return PairList(np.zeros(capacity, np.uint32), np.zeros(capacity, np.uint32), np.zeros(grains + 1, np.int64))
 
 

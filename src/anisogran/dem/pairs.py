@@ -1,7 +1,8 @@
 """Forces between grains: one branch-free pass over blocks of the pair list, then a sum onto the grains in a fixed order.
 
-The pass writes into scratch arrays that stay in the first-level cache, so that the compiler turns it into vector instructions; the
-sum is scalar and always in the order of the list, so that a run can be repeated bit for bit.
+A block goes through three stages that stay in the first-level cache: rows of grains become columns of pairs, the laws turn the columns
+into forces in vector instructions, and the forces are added to the rows of the grains, always in the order of the list, so that a run
+can be repeated bit for bit.
 
 Pair (i, j): the normal n points from i to j, the tangent is t = (-n_y, n_x). Both grains share the contact point in the middle of the
 overlap, so the lever arms are radius - overlap/2, the same in the slip velocity and in the torque; together they make the distance of
@@ -15,23 +16,23 @@ import numpy as np
 
 from anisogran.dem.kernel import block, kernel, unaliased
 from anisogran.dem.laws import normal_force, tangential_force
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_RADIUS, SUM_SPIN, add_to_rows, pair_columns
 
-BLOCK = 512  # pairs; five scratch arrays of this length take 20 kB
+BLOCK = 256  # pairs; the columns of pairs and of forces take 25 kB
 
 
 class Scratch(NamedTuple):
-    """What the pass over a block leaves for the sum: force on j, and the torques on i and j; each (BLOCK,)."""
+    """The columns of one block; what the scene does not need is None."""
 
-    force_x: np.ndarray
-    force_y: np.ndarray
-    torque_first: np.ndarray
-    torque_second: np.ndarray
-    overlap: np.ndarray
+    pairs: np.ndarray  # (8, BLOCK), see rows.py
+    force: np.ndarray  # (4, BLOCK): on the second grain, F_x, F_y, torque taken from the first grain, torque given to the second
+    virial_x: np.ndarray | None  # (BLOCK,) force times branch
+    virial_y: np.ndarray | None
 
 
-def scratch(size=BLOCK):
-    """Scratch arrays for blocks of `size` pairs."""
-    return Scratch(*(np.zeros(size) for _ in Scratch._fields))
+def scratch(virial):
+    """Columns for one block; `virial` says whether the stress is asked for."""
+    return Scratch(np.zeros((8, BLOCK)), np.zeros((4, BLOCK)), *(np.zeros(BLOCK) if virial else None for _ in range(2)))
 
 
 @kernel
@@ -41,79 +42,82 @@ def separation(cell, dx, dy, du, dv):
         rows = math.floor(dy / cell.height + 0.5)
         dy -= rows * cell.height
         dx -= rows * cell.offset
-        du -= rows * cell.shear_speed
-        dx -= math.floor(dx / cell.width + 0.5) * cell.width
+        columns = math.floor(dx / cell.width + 0.5)
+        dx -= columns * cell.width
+        du -= rows * cell.shear_speed + columns * cell.column_speed
+        dv -= rows * cell.row_speed
     return dx, dy, du, dv
 
 
 @kernel
-def pair_forces(x, y, vx, vy, spin, radius, first, second, normal, friction, cell, largest, spring, out, dt):
-    """One block of pairs: forces and torques into `out`, contact memory updated in place (largest overlap, tangential spring)."""
+def pair_forces(pairs, size, normal, friction, cell, largest, spring, virial, out, dt):
+    """The first `size` pairs of a block: forces and torques into `out`, contact memory updated in place (largest overlap, spring)."""
     memory = unaliased(largest)
     springs = unaliased(spring)
-    force_x = unaliased(out.force_x)
-    force_y = unaliased(out.force_y)
-    torque_first = unaliased(out.torque_first)
-    torque_second = unaliased(out.torque_second)
-    overlaps = unaliased(out.overlap)
-    for k in range(first.size):
-        i = first[k]
-        j = second[k]
-        dx, dy, du, dv = separation(cell, x[j] - x[i], y[j] - y[i], vx[j] - vx[i], vy[j] - vy[i])
+    force_x = unaliased(out.force[FX])
+    force_y = unaliased(out.force[FY])
+    torque_first = unaliased(out.force[2])
+    torque_second = unaliased(out.force[3])
+    virial_x = unaliased(out.virial_x)
+    virial_y = unaliased(out.virial_y)
+    x = pairs[DX]
+    y = pairs[DY]
+    u = pairs[DU]
+    v = pairs[DV]
+    difference_radius = pairs[DIFFERENCE_RADIUS]
+    difference_spin = pairs[DIFFERENCE_SPIN]
+    sum_radius = pairs[SUM_RADIUS]
+    sum_spin = pairs[SUM_SPIN]
+    for k in range(size):
+        dx, dy, du, dv = separation(cell, x[k], y[k], u[k], v[k])
         distance = math.sqrt(dx * dx + dy * dy)
         inverse = 1.0 / distance
         nx = dx * inverse if distance > 0.0 else 1.0  # coincident centres: a fixed direction, never 0/0
         ny = dy * inverse if distance > 0.0 else 0.0
-        overlap = radius[i] + radius[j] - distance
+        reach = sum_radius[k]
+        overlap = reach - distance
         touch = 1.0 if overlap > 0.0 else 0.0
         memo = 0.0
         if largest is not None:
             memo = memory[k]
-        fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo)
+        size_of_pair = 0.5 * (reach - difference_radius[k] * difference_radius[k] / reach)  # 2 a_i a_j/(a_i + a_j)
+        fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo, size_of_pair)
         fn *= touch
         if largest is not None:
             memory[k] = memo * touch
         ft = 0.0
         if friction is not None:
-            arm_first = radius[i] - 0.5 * overlap
-            arm_second = radius[j] - 0.5 * overlap
-            slip = dv * nx - du * ny - arm_first * spin[i] - arm_second * spin[j]
+            mean_arm = 0.5 * distance
+            half = 0.5 * difference_radius[k]
+            slip = dv * nx - du * ny - mean_arm * sum_spin[k] - half * difference_spin[k]
             ft, stretched = tangential_force(friction, springs[k], slip, bound * touch, dt)
             ft *= touch
             springs[k] = stretched * touch
-            torque_first[k] = arm_first * ft
-            torque_second[k] = arm_second * ft
-        force_x[k] = fn * nx - ft * ny
-        force_y[k] = fn * ny + ft * nx
-        overlaps[k] = overlap
+            torque_first[k] = (mean_arm - half) * ft
+            torque_second[k] = -(mean_arm + half) * ft
+        fx = fn * nx - ft * ny
+        fy = fn * ny + ft * nx
+        force_x[k] = fx
+        force_y[k] = fy
+        if virial is not None:
+            virial_x[k] = fx * dx
+            virial_y[k] = fy * dy
 
 
 @kernel
-def add_pair_forces(body, spin, torque, first, second, normal, friction, cell, largest, spring, out, dt):
-    """Adds the forces of all pairs to body.fx, body.fy and torque; in a periodic cell also leaves the sum of f_y branch_y there."""
-    fx = body.fx
-    fy = body.fy
-    virial = 0.0
-    for begin in range(0, first.size, BLOCK):
-        end = min(begin + BLOCK, first.size)
-        i_block = first[begin:end]
-        j_block = second[begin:end]
-        pair_forces(
-            body.x, body.y, body.vx, body.vy, spin, body.radius, i_block, j_block, normal, friction, cell,
-            block(largest, begin, end), block(spring, begin, end), out, dt,
-        )  # fmt: skip
-        for k in range(i_block.size):
-            i = i_block[k]
-            j = j_block[k]
-            fx[i] -= out.force_x[k]
-            fy[i] -= out.force_y[k]
-            fx[j] += out.force_x[k]
-            fy[j] += out.force_y[k]
-            if friction is not None:
-                torque[i] -= out.torque_first[k]
-                torque[j] -= out.torque_second[k]
-            if cell is not None:
-                dy = body.y[j] - body.y[i]
-                virial += out.force_y[k] * (dy - math.floor(dy / cell.height + 0.5) * cell.height)
-    if cell is not None:
-        cell.virial[0] = virial
+def add_pair_forces(body, pairs, normal, friction, cell, largest, spring, virial, out, dt):
+    """Adds the forces of all pairs to the rows of body.forces, and leaves the sums of f_x branch_x and f_y branch_y in `virial`."""
+    if virial is not None:
+        virial[:] = 0.0
+    used = pairs.start[-1]
+    for begin in range(0, used, BLOCK):
+        size = min(BLOCK, used - begin)
+        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs)
+        memory = block(largest, begin, begin + size)
+        springs = block(spring, begin, begin + size)
+        pair_forces(out.pairs, size, normal, friction, cell, memory, springs, virial, out, dt)
+        add_to_rows(body.forces, pairs.first, pairs.second, begin, size, out.force, friction)
+        if virial is not None:
+            for k in range(size):
+                virial[0] += out.virial_x[k]
+                virial[1] += out.virial_y[k]

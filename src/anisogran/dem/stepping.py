@@ -9,78 +9,92 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.boundaries import advance, lattice, settle
-from anisogran.dem.kernel import kernel, unaliased
+from anisogran.dem.boundaries import advance, lattice, settle, stress_sums
+from anisogran.dem.kernel import kernel
 from anisogran.dem.neighbours import PairList, carry_over, find_pairs
 from anisogran.dem.pairs import add_pair_forces, separation
+from anisogran.dem.rows import FX, FY, INVERSE_INERTIA, INVERSE_MASS, RADIUS, SPIN, TORQUE, VX, VY, X, Y
 from anisogran.dem.walls import add_wall_forces, find_wall_contacts
 
 CHECK_EVERY = 10  # steps between two looks at how far the grains have moved since the list was built
 
 DEEP_EVERY = 100  # steps between two looks for overlaps that no contact law is meant for
+DEEP, TOO_DEEP = 0.05, 0.5  # shares of the smaller radius
 
 DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST, CELL_TOO_SMALL = range(7)
 
 
 class Body(NamedTuple):
-    """The grains, structure of arrays, each (N,) float64; the driven ones come last."""
+    """The grains: a row each (see rows.py), and the columns of these rows by name; the driven grains come last."""
 
-    x: np.ndarray
+    rows: np.ndarray  # (N, 8)
+    forces: np.ndarray  # (N, 4)
+    x: np.ndarray  # from here: views of the above, (N,) each
     y: np.ndarray
     vx: np.ndarray
     vy: np.ndarray
     fx: np.ndarray
     fy: np.ndarray
     radius: np.ndarray
-    inverse_mass: np.ndarray
-    built_x: np.ndarray  # positions when the neighbour list was built
-    built_y: np.ndarray
+    built: np.ndarray  # (N, 2) positions when the neighbour list was built
+
+
+def body_of(rows):
+    """A Body of these rows of grains, without forces."""
+    forces = np.zeros((len(rows), 4))
+    columns = [rows[:, X], rows[:, Y], rows[:, VX], rows[:, VY], forces[:, FX], forces[:, FY], rows[:, RADIUS]]
+    return Body(rows, forces, *columns, rows[:, :2].copy())
 
 
 class Counters(NamedTuple):
-    """What happened, each (1,): steps, lists built, lists built late, pairs needed, the grain that a failure names, way of the walls."""
+    """What happened."""
 
-    step: np.ndarray
-    builds: np.ndarray
-    late: np.ndarray
-    pairs: np.ndarray
-    grain: np.ndarray
-    travel: np.ndarray  # (2,) m: since the list was built, and in the last step
+    step: np.ndarray  # (1,) steps done
+    builds: np.ndarray  # (1,) lists built
+    late: np.ndarray  # (1,) lists built late
+    pairs: np.ndarray  # (1,) pairs needed
+    grain: np.ndarray  # (1,) the grain that a failure names
+    travel: np.ndarray  # (3,) m: way of the walls since the list was built, in the last step; longest way of a grain in a step
+    deep: np.ndarray  # (3,) the deepest pair, and most pairs at one time that are deeper than DEEP
+    deepest: np.ndarray  # (1,) the largest overlap seen, as a share of the smaller radius
+
+    @classmethod
+    def zero(cls):
+        """At the start."""
+        sizes = {"travel": (3, float), "deep": (3, np.int64), "deepest": (1, float)}
+        return cls(*(np.zeros(*sizes.get(name, (1, np.int64))) for name in cls._fields))
 
 
 @kernel
-def kick_and_drift(x, y, vx, vy, fx, fy, inverse_mass, drag, movable, before, after, dt):
-    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero."""
-    u = unaliased(vx)
-    v = unaliased(vy)
-    px = unaliased(x)
-    py = unaliased(y)
+def kick_and_drift(rows, forces, spin, gravity, drag, movable, before, after, dt):
+    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero. Spins are kicked alike."""
     for i in range(movable):
-        ax = fx[i] * inverse_mass[i]
-        ay = fy[i] * inverse_mass[i]
+        inverse = rows[i, INVERSE_MASS]
+        ax = forces[i, FX] * inverse
+        ay = forces[i, FY] * inverse
+        if gravity is not None:
+            ax += gravity[0]
+            ay += gravity[1]
+        u = rows[i, VX]
+        v = rows[i, VY]
         if drag is not None:
-            u[i] += before * (ax - drag * inverse_mass[i] * u[i])
-            v[i] += before * (ay - drag * inverse_mass[i] * v[i])
-            u[i] += after * (ax - drag * inverse_mass[i] * u[i])
-            v[i] += after * (ay - drag * inverse_mass[i] * v[i])
+            u += before * (ax - drag * inverse * u)
+            v += before * (ay - drag * inverse * v)
+            u += after * (ax - drag * inverse * u)
+            v += after * (ay - drag * inverse * v)
         else:
-            u[i] += before * ax
-            v[i] += before * ay
-            u[i] += after * ax
-            v[i] += after * ay
-        px[i] += dt * u[i]
-        py[i] += dt * v[i]
-
-
-@kernel
-def turn(spin, torque, inverse_inertia, movable, before, after):
-    """The same two kicks for the spins."""
-    if spin is not None:
-        w = unaliased(spin)
-        for i in range(movable):
-            acceleration = torque[i] * inverse_inertia[i]
-            w[i] += before * acceleration
-            w[i] += after * acceleration
+            u += before * ax
+            v += before * ay
+            u += after * ax
+            v += after * ay
+        rows[i, VX] = u
+        rows[i, VY] = v
+        rows[i, X] += dt * u
+        rows[i, Y] += dt * v
+        if spin is not None:
+            acceleration = forces[i, TORQUE] * rows[i, INVERSE_INERTIA]
+            w = rows[i, SPIN] + before * acceleration
+            rows[i, SPIN] = w + after * acceleration
 
 
 @kernel
@@ -93,15 +107,17 @@ def farthest_move(body, cell):
     fastest = 0.0
     who = 0
     for i in range(body.x.size):
-        dx = body.x[i] - body.built_x[i]
-        dy = body.y[i] - body.built_y[i]
+        dx = body.x[i] - body.built[i, 0]
+        dy = body.y[i] - body.built[i, 1]
         du = body.vx[i]
+        dv = body.vy[i]
         if cell is not None:
-            dx -= cell.strain * body.built_y[i]
-            dy -= (cell.stretch - 1.0) * body.built_y[i]
-            du -= cell.shear_speed * body.y[i] / cell.height
+            dx -= cell.strain * body.built[i, 1] + (cell.stretch_x - 1.0) * body.built[i, 0]
+            dy -= (cell.stretch_y - 1.0) * body.built[i, 1]
+            du -= cell.shear_speed * body.y[i] / cell.height + cell.column_speed * body.x[i] / cell.width
+            dv -= cell.row_speed * body.y[i] / cell.height
         way = dx * dx + dy * dy
-        speed = du * du + body.vy[i] ** 2
+        speed = du * du + dv * dv
         if not way + speed < math.inf:
             return math.inf, math.inf, i
         farthest = max(farthest, way)
@@ -112,16 +128,29 @@ def farthest_move(body, cell):
 
 
 @kernel
-def deepest_pair(body, pairs, cell):
-    """A grain of a pair that overlaps by more than half the smaller radius, or -1."""
+def look_for_deep_pairs(body, pairs, cell, counters):
+    """Counts the pairs that overlap by more than DEEP of the smaller radius; DEEP_OVERLAP if one does by more than TOO_DEEP, else DONE."""
+    count = 0
+    deepest = 0.0
     for k in range(pairs.start[-1]):
         i = pairs.first[k]
         j = pairs.second[k]
         dx, dy, _, _ = separation(cell, body.x[j] - body.x[i], body.y[j] - body.y[i], 0.0, 0.0)
-        reach = body.radius[i] + body.radius[j] - 0.5 * min(body.radius[i], body.radius[j])
-        if dx * dx + dy * dy < reach * reach:
-            return np.int64(i)
-    return -1
+        smaller = min(body.radius[i], body.radius[j])
+        reach = body.radius[i] + body.radius[j] - DEEP * smaller
+        square = dx * dx + dy * dy
+        if square < reach * reach:
+            count += 1
+            overlap = (body.radius[i] + body.radius[j] - math.sqrt(square)) / smaller
+            if overlap > deepest:
+                deepest = overlap
+                counters.grain[0] = i
+                if overlap > counters.deepest[0]:
+                    counters.deepest[0] = overlap
+                    counters.deep[0] = i
+                    counters.deep[1] = j
+    counters.deep[2] = max(counters.deep[2], count)
+    return DEEP_OVERLAP if deepest > TOO_DEEP else DONE
 
 
 @kernel
@@ -139,43 +168,34 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
         pairs.second[:] = old.second
         pairs.start[:] = old.start
         # the list stays due, but the grains may have been wrapped: from here no way would be known
-        body.built_x[:] = body.x
-        body.built_y[:] = body.y
+        body.built[:] = body.rows[:, :2]
         counters.travel[0] = skin
         return LIST_FULL
     carry_over(old, pairs, largest)
     carry_over(old, pairs, spring)
     counters.builds[0] += 1
-    body.built_x[:] = body.x
-    body.built_y[:] = body.y
+    body.built[:] = body.rows[:, :2]
     counters.travel[0] = 0.0
     counters.grain[0] = find_wall_contacts(boundary, body, movable, skin, wall_list)
     if counters.grain[0] >= 0:
         return OUTSIDE
-    counters.grain[0] = deepest_pair(body, pairs, cell)
-    return DEEP_OVERLAP if counters.grain[0] >= 0 else DONE
+    return look_for_deep_pairs(body, pairs, cell, counters)
 
 
 @kernel
 def add_all_forces(
-    body, spin, torque, pairs, wall_list, largest, spring, wall_largest, wall_spring,
-    normal, friction, wall_friction, boundary, out, dt,
-):  # fmt: skip
+    body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, boundary, out, dt
+):
     """Forces and torques on all grains and walls, contact memory advanced by dt."""
-    body.fx[:] = 0.0
-    body.fy[:] = 0.0
-    if torque is not None:
-        torque[:] = 0.0
-    cell = lattice(boundary)
-    add_wall_forces(boundary, body, spin, torque, wall_list, normal, wall_friction, wall_largest, wall_spring, dt)
-    used = pairs.start[-1]
-    add_pair_forces(body, spin, torque, pairs.first[:used], pairs.second[:used], normal, friction, cell, largest, spring, out, dt)
+    body.forces[:] = 0.0
+    add_wall_forces(boundary, body, spin, wall_list, normal, wall_friction, wall_largest, wall_spring, dt)
+    add_pair_forces(body, pairs, normal, friction, lattice(boundary), largest, spring, stress_sums(boundary), out, dt)
 
 
 @kernel
 def run_steps(
-    body, spin, torque, inverse_inertia, pairs, wall_list, largest, spring, wall_largest, wall_spring,
-    normal, friction, wall_friction, drag, boundary, movable, skin, reach, step_limit, out, counters, dt, steps,
+    body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, gravity, drag,
+    boundary, movable, skin, reach, step_limit, out, counters, dt, steps,
 ):  # fmt: skip
     """Up to `steps` steps; returns DONE, or why it stopped early at counters.step (LIST_FULL: make room and call again).
 
@@ -188,34 +208,28 @@ def run_steps(
         if counters.step[0] % CHECK_EVERY == 0:
             way, speed, counters.grain[0] = farthest_move(body, lattice(boundary))
             approach = 2.0 * way + counters.travel[0]
+            counters.travel[2] = max(counters.travel[2], speed * dt)
             if way == math.inf:
                 code = NOT_FINITE
-            elif speed * dt > step_limit:
+            elif max(speed * dt, counters.travel[1]) > step_limit:
                 code = TOO_FAST
             elif approach + CHECK_EVERY * (2.0 * speed * dt + counters.travel[1]) > 0.95 * skin:
                 # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
-                kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, 0.0, 0.0)
-                turn(spin, torque, inverse_inertia, movable, owed, 0.0)
+                kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)
                 owed = 0.0
                 code = rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters)
                 counters.late[0] += code in (DONE, LIST_FULL) and approach > skin
             elif counters.step[0] % DEEP_EVERY == 0:
-                deep = deepest_pair(body, pairs, lattice(boundary))
-                if deep >= 0:
-                    counters.grain[0] = deep
-                    code = DEEP_OVERLAP
+                code = look_for_deep_pairs(body, pairs, lattice(boundary), counters)
             if code != DONE:
                 break
-        kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, half, dt)
-        turn(spin, torque, inverse_inertia, movable, owed, half)
+        kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, half, dt)
         counters.step[0] += 1
         counters.travel[1] = advance(boundary, body, spin, movable, reach, counters.step[0] * dt, dt)
         counters.travel[0] += counters.travel[1]
         add_all_forces(
-            body, spin, torque, pairs, wall_list, largest, spring, wall_largest, wall_spring,
-            normal, friction, wall_friction, boundary, out, dt,
-        )  # fmt: skip
+            body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, boundary, out, dt
+        )
         owed = half
-    kick_and_drift(body.x, body.y, body.vx, body.vy, body.fx, body.fy, body.inverse_mass, drag, movable, owed, 0.0, 0.0)
-    turn(spin, torque, inverse_inertia, movable, owed, 0.0)
+    kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)
     return code

@@ -12,6 +12,7 @@ import numpy as np
 from anisogran.dem.boundaries import touch
 from anisogran.dem.kernel import kernel
 from anisogran.dem.laws import normal_force, tangential_force
+from anisogran.dem.rows import TORQUE
 
 
 class WallList(NamedTuple):
@@ -60,7 +61,7 @@ def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, 
     memo = 0.0
     if largest is not None:
         memo = largest[wall, i]
-    fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo)
+    fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo, 2.0 * radius)
     closed = overlap > 0.0
     if largest is not None:
         largest[wall, i] = memo if closed else 0.0
@@ -73,7 +74,7 @@ def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, 
 
 
 @kernel
-def add_wall_forces(boundary, body, spin, torque, wall_list, normal, friction, largest, spring, dt):
+def add_wall_forces(boundary, body, spin, wall_list, normal, friction, largest, spring, dt):
     """Adds the forces of all wall contacts to the grains, and to boundary.force and boundary.traction those on the walls."""
     if wall_list is not None:
         boundary.force[:] = 0.0
@@ -86,4 +87,4 @@ def add_wall_forces(boundary, body, spin, torque, wall_list, normal, friction, l
                 boundary.force[wall] += fn
                 boundary.traction[wall] += ft
                 if friction is not None:
-                    torque[i] -= (body.radius[i] - 0.5 * overlap) * ft
+                    body.forces[i, TORQUE] -= (body.radius[i] - 0.5 * overlap) * ft

@@ -64,7 +64,7 @@ class SimpleShear(Experiment):
         position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
         grains = Grains(position, radius, density=self.density)
         closing = CLOSING / math.sqrt(grains.mass.mean() / self.pressure)
-        cell = Periodic(width, height, pressure=self.pressure, viscosity=self.pressure / closing)
+        cell = Periodic(width, height, pressure=(None, self.pressure), viscosity=self.pressure / closing)
         drag, dt = background_drag(self.contact, grains.mass), quasi_static_step(self.contact, self.friction, grains.mass)
         simulation = Simulation(grains, self.contact, boundary=cell, drag=drag, dt=dt)
         steps = int(1.5 * math.log(DENSE / LOOSE) / closing / simulation.dt)
@@ -77,7 +77,9 @@ class SimpleShear(Experiment):
         width, height = prepared.walls.lattice[:2]
         scale = 1 / math.sqrt(prepared.grains.mass.mean() / self.pressure)
         rate = self.inertial_number * scale
-        cell = Periodic(width, height, shear_rate=rate, pressure=self.pressure, viscosity=self.pressure / max(CLOSING * scale, 0.5 * rate))
+        cell = Periodic(
+            width, height, shear_rate=rate, pressure=(None, self.pressure), viscosity=self.pressure / max(CLOSING * scale, 0.5 * rate)
+        )
         position, velocity = prepared.position, prepared.velocity
         velocity[:, 0] += rate * position[:, 1]
         simulation = prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)

@@ -1,7 +1,7 @@
 """The boundaries, one file each, and the functions that the kernels specialise by the type of the boundary's state.
 
 A boundary gives: `advance` (one step of its own motion); if it has walls, `touch` (geometry of one wall contact); and, if it is
-periodic, `lattice` and `settle` (what is done before a new neighbour list).
+periodic, `lattice`, `settle` (what is done before a new neighbour list) and `stress_sums` (where a pressure is held).
 A new boundary is one new file and one line in each table.
 """
 
@@ -20,6 +20,10 @@ def _no_lattice(boundary):
     return None
 
 
+def _no_stress_sums(boundary):
+    return None
+
+
 def _nothing_to_settle(boundary, body):
     return None
 
@@ -27,6 +31,7 @@ def _nothing_to_settle(boundary, body):
 touch = specialised({state: room.touch for state, room in _ROOMS.items() if hasattr(room, "touch")})
 advance = specialised({state: room.advance for state, room in _ROOMS.items()})
 lattice = specialised({state: getattr(room, "lattice", _no_lattice) for state, room in _ROOMS.items()})
+stress_sums = specialised({state: getattr(room, "stress_sums", _no_stress_sums) for state, room in _ROOMS.items()})
 settle = specialised({state: getattr(room, "settle", _nothing_to_settle) for state, room in _ROOMS.items()})
 
-__all__ = ["Box", "Cosine", "Fixed", "Open", "Periodic", "Pressure", "Ring", "advance", "lattice", "settle", "touch"]
+__all__ = ["Box", "Cosine", "Fixed", "Open", "Periodic", "Pressure", "Ring", "advance", "lattice", "settle", "stress_sums", "touch"]

@@ -48,6 +48,10 @@ class Box:
         motions = [wall.parameters() for wall in (self.left, self.right, self.bottom, self.top)]
         return BoxState(position, np.zeros(4), np.zeros(4), np.zeros(4), *motions)
 
+    def pressures(self):
+        """The pressures that it holds, in N/m."""
+        return tuple(m.pressure for m in (self.left, self.right, self.bottom, self.top) if hasattr(m, "pressure"))
+
     def extent(self, state):
         """Lattice vectors (none) and the present area of the box."""
         left, right, bottom, top = state.position

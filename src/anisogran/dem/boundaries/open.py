@@ -19,6 +19,10 @@ class Open:
     def state(self):
         return OpenState(0.0)
 
+    def pressures(self):
+        """The pressures that it holds, in N/m."""
+        return ()
+
     def extent(self, state):
         """Lattice vectors and volume as the averages want them: neither."""
         return None, None

@@ -1,7 +1,9 @@
-"""A periodic cell sheared by Lees-Edwards conditions (Lees & Edwards, J. Phys. C 5, 1921, 1972), of given volume or given pressure.
+"""A periodic cell: sheared by Lees-Edwards conditions (Lees & Edwards, J. Phys. C 5, 1921, 1972), stretched, or held at a pressure.
 
-The image above the cell moves with shear_rate * height to the right. Under pressure control the height follows the vertical stress:
-d(ln height)/dt = (sigma_yy - pressure) / viscosity, which relaxes without ringing; the grains are carried along affinely.
+Velocities are those seen from the laboratory: an image has the velocity of its original plus that of the lattice vector between them.
+`stretch_rate` = d(ln width)/dt, d(ln height)/dt prescribes the sides; opposite rates are pure shear. A side with a `pressure` follows its
+normal stress, d(ln side)/dt = (sigma - pressure) / viscosity, which relaxes without ringing; there the grains are carried along affinely,
+and dashpots do not feel it, so that no damping of the contacts can upset the control.
 """
 
 import math
@@ -10,39 +12,48 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.outcome import checked
+from anisogran.dem.kernel import kernel
+from anisogran.outcome import InputError, checked
+
+NONE = -1.0  # stands for "no pressure" in the kernel: a pressure is positive
 
 
 class Cell(NamedTuple):
-    """The lattice at one instant: width, height, offset of the image above and its relative velocity; affine motion since the last list."""
+    """The lattice at one instant, and the affine motion since the last neighbour list."""
 
     width: float
     height: float
-    offset: float
-    shear_speed: float
-    strain: float  # shear strain
-    stretch: float  # ratio of heights
-    virial: np.ndarray  # (1,) sum over the contacts of f_y branch_y, left here by the force loop
+    offset: float  # of the image above, to the right
+    column_speed: float  # of the image to the right, to the right
+    row_speed: float  # of the image above, upwards
+    shear_speed: float  # of the image above, to the right
+    strain: float  # shear strain since the list was built
+    stretch_x: float  # ratio of widths, of heights since then
+    stretch_y: float
 
 
 class PeriodicState(NamedTuple):
-    """What changes: lattice = [width, height, offset, strain and stretch since the list was built], virial = sum of f_y branch_y.
+    """lattice = [width, height, offset, strain, stretch_x, stretch_y], the last three since the list was built.
 
-    A negative pressure means fixed volume.
+    virial = sums over the contacts of f_x branch_x and f_y branch_y, left there by the force loop; None where no pressure is held.
     """
 
     lattice: np.ndarray
-    virial: np.ndarray
+    virial: np.ndarray | None
     shear_rate: float
-    pressure: float
+    stretch_rate_x: float
+    stretch_rate_y: float
+    pressure_x: float
+    pressure_y: float
     viscosity: float
 
 
 @dataclass(frozen=True)
 class Periodic:
-    """Periodic cell of width by height (m), sheared at shear_rate (1/s).
+    """Periodic cell of width by height (m): `shear_rate` (1/s), `stretch_rate` of (width, height) (1/s), `pressure` on (x, y) (N/m).
 
-    With a `pressure` (N/m) the height is free and relaxes with `viscosity` (N s/m); without one the volume is fixed.
+    A side is free and relaxes with `viscosity` (N s/m) if it has a pressure, else its logarithm changes at its stretch rate; one
+    number for `pressure` holds both sides, None none. A cell is sheared or stretched, not both.
     A run stops where the cell gets narrower or lower than four of the largest radii and two skins: contacts would meet their own images.
     Raises InputError for values out of bounds.
     """
@@ -50,27 +61,52 @@ class Periodic:
     width: float
     height: float
     shear_rate: float = 0.0
-    pressure: float | None = None
+    pressure: float | tuple | None = None
     viscosity: float | None = None
+    stretch_rate: tuple = (0.0, 0.0)
     walls = 0
 
     def __post_init__(self):
         checked("Periodic", "width", self.width, above=0, unit="m")
         checked("Periodic", "height", self.height, above=0, unit="m")
         checked("Periodic", "shear_rate", self.shear_rate, unit="1/s")
-        if self.pressure is not None:
-            checked("Periodic", "pressure", self.pressure, above=0, unit="N/m")
-            checked("Periodic", "viscosity", self.viscosity, above=0, unit="N s/m")
+        for side, rate, pressure in zip("xy", self._pair("stretch_rate"), self._pair("pressure"), strict=True):
+            checked("Periodic", f"stretch_rate ({side})", rate, unit="1/s")
+            if pressure is not None:
+                checked("Periodic", f"pressure ({side})", pressure, above=0, unit="N/m")
+                checked("Periodic", "viscosity", self.viscosity, above=0, unit="N s/m")
+                if rate:
+                    raise InputError(
+                        f"Periodic: the side along {side} has both stretch_rate = {rate:g} 1/s and pressure = {pressure:g} N/m"
+                    )
+        if self.shear_rate and any(self._pair("stretch_rate")):
+            raise InputError(f"Periodic: shear_rate = {self.shear_rate:g} and stretch_rate = {self.stretch_rate} exclude each other")
+
+    def _pair(self, name):
+        """The value for x and for y."""
+        value = getattr(self, name)
+        if isinstance(value, (list, tuple, np.ndarray)):
+            if len(value) != 2:
+                raise InputError(f"Periodic: {name} = {value} must have two entries, for x and for y")
+            return tuple(value)
+        return value, value
 
     def state(self):
-        controlled = self.pressure is not None
+        """What the kernel needs; the arrays change while it runs."""
+        pressures = self._pair("pressure")
+        controlled = any(pressure is not None for pressure in pressures)
         return PeriodicState(
-            np.array([self.width, self.height, 0.0, 0.0, 1.0]),
-            np.zeros(1),
+            np.array([self.width, self.height, 0.0, 0.0, 1.0, 1.0]),
+            np.zeros(2) if controlled else None,
             float(self.shear_rate),
-            float(self.pressure) if controlled else -1.0,
+            *(float(rate) for rate in self._pair("stretch_rate")),
+            *(NONE if pressure is None else float(pressure) for pressure in pressures),
             float(self.viscosity) if controlled else 1.0,
         )
+
+    def pressures(self):
+        """The pressures that it holds, in N/m."""
+        return tuple(pressure for pressure in self._pair("pressure") if pressure is not None)
 
     def extent(self, state):
         """Lattice vectors as rows, and the present area of the cell."""
@@ -81,7 +117,15 @@ class Periodic:
 def lattice(boundary):
     """The cell as the pair kernel wants it."""
     box = boundary.lattice
-    return Cell(box[0], box[1], box[2], boundary.shear_rate * box[1], box[3], box[4], boundary.virial)
+    return Cell(
+        box[0], box[1], box[2], boundary.stretch_rate_x * box[0], boundary.stretch_rate_y * box[1], boundary.shear_rate * box[1],
+        box[3], box[4], box[5],
+    )  # fmt: skip
+
+
+def stress_sums(boundary):
+    """The array that takes the virial, or None where nobody asks for it."""
+    return boundary.virial
 
 
 def settle(boundary, body):
@@ -92,24 +136,46 @@ def settle(boundary, body):
         body.y[i] -= rows * box[1]
         body.x[i] -= rows * box[2]
         body.vx[i] -= rows * boundary.shear_rate * box[1]
-        body.x[i] -= math.floor(body.x[i] / box[0]) * box[0]
+        body.vy[i] -= rows * boundary.stretch_rate_y * box[1]
+        columns = math.floor(body.x[i] / box[0])
+        body.x[i] -= columns * box[0]
+        body.vx[i] -= columns * boundary.stretch_rate_x * box[0]
     box[3] = 0.0
     box[4] = 1.0
+    box[5] = 1.0
+
+
+@kernel
+def pressed(virial, box, body, pressure_x, pressure_y, viscosity, dt):
+    """Ratios of the sides after a step under pressure, 1 for a side without one; the grains are carried along."""
+    stretch_x = 1.0
+    stretch_y = 1.0
+    if virial is not None:
+        area = box[0] * box[1]
+        if pressure_x > 0.0:
+            stretch_x += dt * (virial[0] / area - pressure_x) / viscosity
+            for i in range(body.x.size):
+                body.x[i] *= stretch_x
+        if pressure_y > 0.0:
+            stretch_y += dt * (virial[1] / area - pressure_y) / viscosity
+            for i in range(body.y.size):
+                body.y[i] *= stretch_y
+    return stretch_x, stretch_y
 
 
 def advance(boundary, body, spin, movable, reach, time, dt):
-    """Slides the image above, and lets the height follow the vertical stress; two grains `reach` apart approach affinely by the result."""
+    """Slides the image above and changes the sides; two grains `reach` apart approach affinely by the result."""
     box = boundary.lattice
+    stretch_x, stretch_y = pressed(boundary.virial, box, body, boundary.pressure_x, boundary.pressure_y, boundary.viscosity, dt)
+    stretch_x *= math.exp(dt * boundary.stretch_rate_x)
+    stretch_y *= math.exp(dt * boundary.stretch_rate_y)
     strain = dt * boundary.shear_rate
-    stretch = 1.0
-    if boundary.pressure > 0.0:
-        excess = boundary.virial[0] / (box[0] * box[1]) - boundary.pressure
-        stretch += dt * excess / boundary.viscosity
-        box[1] *= stretch
-        for i in range(body.y.size):
-            body.y[i] *= stretch
+    box[2] *= stretch_x
+    box[0] *= stretch_x
+    box[1] *= stretch_y
     box[2] += strain * box[1]
     box[2] -= math.floor(box[2] / box[0]) * box[0]
     box[3] += strain
-    box[4] *= stretch
-    return (abs(strain) + abs(stretch - 1.0)) * reach
+    box[4] *= stretch_x
+    box[5] *= stretch_y
+    return (abs(strain) + abs(stretch_x - 1.0) + abs(stretch_y - 1.0)) * reach

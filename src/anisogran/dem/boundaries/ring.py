@@ -49,6 +49,10 @@ class Ring:
         rest = (np.zeros(1) for _ in range(3))
         return RingState(np.array([self.radius]), *rest, self.rim.parameters(), float(self.omega), int(self.inner))
 
+    def pressures(self):
+        """The pressures that it holds, in N/m."""
+        return (self.rim.pressure,) if hasattr(self.rim, "pressure") else ()
+
     def extent(self, state):
         """Lattice vectors (none) and the present area within the outer ring."""
         return None, float(np.pi * state.position[0] ** 2)

@@ -39,7 +39,7 @@ class Linear:
         return LinearParameters(float(self.stiffness), float(self.damping))
 
 
-def force(law, overlap, rate, largest):
+def force(law, overlap, rate, largest, size):
     """Normal force (repulsion positive), the force that bounds friction, and the largest overlap (unused here).
 
     `rate` is the speed of separation. The Coulomb reference is the whole normal force, dashpot included.

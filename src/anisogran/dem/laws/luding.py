@@ -51,7 +51,7 @@ class Luding:
         return LudingParameters(k1, k2, kc, float(self.damping), reset)
 
 
-def force(law, overlap, rate, largest):
+def force(law, overlap, rate, largest, size):
     """Normal force (repulsion positive), the force that bounds friction, and the new largest overlap.
 
     `rate` is the speed of separation. The Coulomb reference is the normal force measured from the adhesive limit, dashpot included,
@@ -61,5 +61,5 @@ def force(law, overlap, rate, largest):
     limit = -law.kc * overlap
     elastic = law.k2 * overlap - (law.k2 - law.k1) * largest
     largest = law.reset * overlap if elastic < limit else largest
-    total = max(min(elastic, law.k1 * overlap), limit) - law.damping * rate
+    total = max(elastic, limit) - law.damping * rate
     return total, abs(total - limit), largest

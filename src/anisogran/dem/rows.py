@@ -1,0 +1,169 @@
+"""One grain is one cache line: a row of eight numbers; and how rows of grains become columns of pairs, and pair forces rows again.
+
+The laws want columns (the x-distance of many pairs, ...) to be vectorised, while memory wants all that is known of a grain in one place:
+fetching each quantity by itself, with a gather instruction each, took longer than all the physics. So eight pairs are fetched as sixteen
+whole rows, subtracted and added, and transposed in registers. The way back adds the force of a pair to the row of each of its grains.
+Both are written in the compiler's vector types, which every processor can do, and in plain Python for runs without the compiler.
+"""
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, overload
+
+from anisogran.dem.kernel import OPTIONS
+
+X, Y, VX, VY, RADIUS, SPIN, INVERSE_MASS, INVERSE_INERTIA = range(8)  # a row of a grain
+DX, DY, DU, DV, DIFFERENCE_RADIUS, DIFFERENCE_SPIN, SUM_RADIUS, SUM_SPIN = range(8)  # the columns of pairs: second minus (plus) first
+FX, FY, TORQUE = range(3)  # a row of forces has four numbers, the last one is spare
+LANES = 8
+
+
+def grain_rows(grains, order):
+    """The rows (N, 8) of the grains in that order, each beginning on a boundary of 64 bytes."""
+    n = len(grains)
+    room = np.zeros(8 * n + 8)
+    begin = -room.ctypes.data % 64 // 8
+    rows = room[begin : begin + 8 * n].reshape(n, 8)
+    rows[:, :2] = grains.position
+    rows[:, 2:4] = grains.velocity
+    rows[:, RADIUS] = grains.radius
+    rows[:, SPIN] = grains.spin
+    rows[:, INVERSE_MASS] = 1.0 / grains.mass
+    rows[:, INVERSE_INERTIA] = 1.0 / (grains.inertia_factor * grains.mass * grains.radius**2)
+    rows[:] = rows[order]
+    return rows
+
+
+_DOUBLE = ir.DoubleType()
+_INDEX = ir.IntType(64)
+
+
+def _pick(*lanes):
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), [ir.Constant(ir.IntType(32), lane) for lane in lanes])
+
+
+def _load(builder, pointer, size):
+    value = builder.load(builder.bitcast(pointer, ir.VectorType(_DOUBLE, size).as_pointer()))
+    value.align = 8
+    return value
+
+
+def _store(builder, value, pointer):
+    builder.store(value, builder.bitcast(pointer, value.type.as_pointer())).align = 8
+
+
+def _row(builder, rows, indices, k, width):
+    """Pointer to the row of the grain that indices[k] names."""
+    grain = builder.zext(builder.load(builder.gep(indices.data, [k])), _INDEX)
+    return builder.gep(rows.data, [builder.mul(grain, ir.Constant(_INDEX, width))])
+
+
+def _column(builder, columns, lane, k):
+    """Pointer to entry k of a column."""
+    length = builder.extract_value(columns.shape, 1)
+    return builder.gep(columns.data, [builder.add(builder.mul(ir.Constant(_INDEX, lane), length), k)])
+
+
+def _transposed(builder, rows):
+    """Eight vectors of eight lanes, transposed in three rounds of exchanges at distances 1, 2 and 4."""
+    for distance in (1, 2, 4):
+        low = [lane if not lane & distance else lane - distance + 8 for lane in range(8)]
+        high = [lane + distance if not lane & distance else lane + 8 for lane in range(8)]
+        exchanged = list(rows)
+        for m in range(8):
+            if not m & distance:
+                exchanged[m] = builder.shuffle_vector(rows[m], rows[m + distance], _pick(*low))
+                exchanged[m + distance] = builder.shuffle_vector(rows[m], rows[m + distance], _pick(*high))
+        rows = exchanged
+    return rows
+
+
+@intrinsic
+def _fetch_eight(typing_context, rows, first, second, begin, columns, place):
+    """Columns place .. place + 8 of the pairs begin .. begin + 8."""
+
+    def generate(context, builder, signature, arguments):
+        views = [context.make_array(signature.args[n])(context, builder, value=arguments[n]) for n in (0, 1, 2, 4)]
+        grains, one, other, out = views
+        vectors = []
+        for m in range(8):
+            k = builder.add(arguments[3], ir.Constant(_INDEX, m))
+            a, b = (_load(builder, _row(builder, grains, indices, k, 8), 8) for indices in (one, other))
+            vectors.append(builder.shuffle_vector(builder.fsub(b, a), builder.fadd(b, a), _pick(0, 1, 2, 3, 4, 5, 12, 13)))
+        for lane, vector in enumerate(_transposed(builder, vectors)):
+            _store(builder, vector, _column(builder, out, lane, arguments[5]))
+        return context.get_dummy_value()
+
+    return types.void(rows, first, second, types.int64, columns, types.int64), generate
+
+
+def _adding(count, width):
+    """An intrinsic that adds the forces of `count` neighbouring pairs to the rows of their grains, one pair after the other."""
+
+    @intrinsic
+    def add(typing_context, forces, first, second, begin, columns, place):
+        def generate(context, builder, signature, arguments):
+            views = [context.make_array(signature.args[n])(context, builder, value=arguments[n]) for n in (0, 1, 2, 4)]
+            rows, one, other, source = views
+            column = [_load(builder, _column(builder, source, lane, arguments[5]), count) for lane in range(width)]
+            nothing = ir.Constant(ir.VectorType(_DOUBLE, count), [0.0] * count)
+            for m in range(count):
+                k = builder.add(arguments[3], ir.Constant(_INDEX, m))
+                force = builder.shuffle_vector(column[FX], column[FY], _pick(m, count + m))
+                turns = [builder.shuffle_vector(torque, nothing, _pick(m, count + m)) for torque in column[2:]] or [None, None]
+                for indices, turn, act in ((one, turns[0], builder.fsub), (other, turns[1], builder.fadd)):
+                    change = force if turn is None else builder.shuffle_vector(force, turn, _pick(0, 1, 2, 3))
+                    row = _row(builder, rows, indices, k, 4)
+                    _store(builder, act(_load(builder, row, width), change), row)
+            return context.get_dummy_value()
+
+        return types.void(forces, first, second, types.int64, columns, types.int64), generate
+
+    return add
+
+
+_ADD = {(count, width): _adding(count, width) for count in (1, 8) for width in (2, 4)}
+_add_eight, _add_one = _ADD[8, 2], _ADD[1, 2]
+_add_eight_turning, _add_one_turning = _ADD[8, 4], _ADD[1, 4]
+
+
+def pair_columns(rows, first, second, begin, size, columns):
+    """Fills columns (8, >= size) for the pairs begin .. begin + size. The lists can be read, and name grains, up to a multiple of 8."""
+    i, j = first[begin : begin + size].astype(int), second[begin : begin + size].astype(int)
+    columns[:6, :size] = (rows[j] - rows[i]).T[:6]
+    columns[6:, :size] = (rows[j] + rows[i]).T[4:6]
+
+
+@overload(pair_columns, jit_options=OPTIONS)
+def _pair_columns(rows, first, second, begin, size, columns):
+    def compiled(rows, first, second, begin, size, columns):
+        for k in range(0, size, LANES):
+            _fetch_eight(rows, first, second, begin + k, columns, k)
+
+    return compiled
+
+
+def add_to_rows(forces, first, second, begin, size, columns, friction):
+    """Adds the columns (F_x, F_y, torques on the first grain taken as -, on the second as +) to the rows of forces, pair by pair."""
+    for k in range(size):
+        i, j = int(first[begin + k]), int(second[begin + k])
+        forces[i, :2] -= columns[:2, k]
+        forces[j, :2] += columns[:2, k]
+        if friction is not None:
+            forces[i, TORQUE] -= columns[2, k]
+            forces[j, TORQUE] += columns[3, k]
+
+
+@overload(add_to_rows, jit_options=OPTIONS)
+def _add_to_rows(forces, first, second, begin, size, columns, friction):
+    eight, one = (_add_eight, _add_one) if friction == types.none else (_add_eight_turning, _add_one_turning)
+
+    def compiled(forces, first, second, begin, size, columns, friction):
+        whole = size - size % LANES
+        for k in range(0, whole, LANES):
+            eight(forces, first, second, begin + k, columns, k)
+        for k in range(whole, size):
+            one(forces, first, second, begin + k, columns, k)
+
+    return compiled
