@@ -9,7 +9,7 @@ import pytest
 from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulation, collision_time, longest_step
 from anisogran.dem.laws import luding, normal_force, tangential_force
 from anisogran.dem.pairs import pair_forces, scratch
-from anisogran.dem.rows import DV, DX, SUM_RADIUS
+from anisogran.dem.rows import DV, DX
 from anisogran.outcome import InputError
 
 K = 1e4
@@ -143,10 +143,10 @@ def test_the_bound_of_friction_is_the_normal_force_with_its_dashpot():
 
 def test_an_open_contact_forgets():
     """Two grains that have parted leave no force and no memory: the next contact loads along k1, with a relaxed spring."""
-    out, largest, spring = scratch(virial=False), np.array([0.1]), np.array([0.1])
+    out, largest, spring = scratch(virial=False, whole=True), np.array([0.1]), np.array([0.1])
     laws = (Luding(1.0, 2.0, 1.0).parameters(), Friction(1.0, 0.5, damping=0.1).parameters())
-    out.pairs[[DX, DV, SUM_RADIUS], 0] = 1.1, 1.0, 1.0
-    pair_forces.py_func(out.pairs, 1, *laws, None, largest, spring, None, out, 0.1)
+    out.pairs[[DX, DV], 0] = 1.1, 1.0
+    pair_forces.py_func(out.pairs, np.ones(1), *laws, None, largest, spring, None, out, 0.1)
     assert (largest[0], spring[0]) == (0, 0)
     np.testing.assert_array_equal(out.force[:, 0], 0.0)
 

@@ -47,8 +47,8 @@ def test_contact_memory_survives_a_rebuild(rng):
 
 def test_memory_follows_its_pair_to_another_place():
     """Pairs 01, 02, 12 hold 1, 2, 3; in the list 02, 13, 12 they are found again, and the new pair begins with nothing."""
-    old = PairList(np.array([0, 0, 1]), np.array([1, 2, 2]), np.array([0, 2, 3, 3, 3]))
-    new = PairList(np.array([0, 1, 1]), np.array([2, 3, 2]), np.array([0, 1, 3, 3, 3]))
+    old = PairList(np.array([0, 0, 1]), np.array([1, 2, 2]), np.ones(3), np.array([0, 2, 3, 3, 3]))
+    new = PairList(np.array([0, 1, 1]), np.array([2, 3, 2]), np.ones(3), np.array([0, 1, 3, 3, 3]))
     memory = np.array([1.0, 2.0, 3.0])
     carry_over.py_func(old, new, memory)
     np.testing.assert_array_equal(memory, [2.0, 0.0, 3.0])

@@ -242,7 +242,7 @@ def test_pair_loop_is_vectorised(rng):
     fresh = numba.njit(**OPTIONS)(pair_forces.py_func)  # code from the disk cache cannot be inspected
     for friction in (None, FRICTION):
         s = Simulation(grains, LAW, friction=friction, boundary=Box(side, side))._state
-        fresh(s.out.pairs, 0, s.normal, s.friction, None, s.largest, s.spring, None, s.out, 0.0)
+        fresh(s.out.pairs, s.pairs.reach[:0], s.normal, s.friction, None, s.largest, s.spring, None, s.out, 0.0)
     for text in fresh.inspect_asm().values():
         assert "sqrtpd" in text or re.search(r"fsqrt\s+v\d+\.2d", text)  # x86, Arm
 

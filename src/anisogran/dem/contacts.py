@@ -7,7 +7,7 @@ import numpy as np
 from anisogran.dem.boundaries import lattice
 from anisogran.dem.kernel import block, kernel
 from anisogran.dem.pairs import BLOCK, pair_forces, scratch, separation
-from anisogran.dem.rows import DX, DY, FX, FY, SUM_RADIUS, pair_columns
+from anisogran.dem.rows import DX, DY, FX, FY, pair_columns
 from anisogran.dem.walls import wall_contact
 
 
@@ -21,15 +21,15 @@ def pair_table(body, pairs, normal, friction, boundary, largest, spring, out):
     force = np.empty((used, 2))
     for begin in range(0, used, BLOCK):
         size = min(BLOCK, used - begin)
-        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs)
+        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs, out.whole)
         memory = block(largest, begin, begin + size)
         springs = block(spring, begin, begin + size)
-        pair_forces(out.pairs, size, normal, friction, cell, memory, springs, None, out, 0.0)
+        pair_forces(out.pairs, pairs.reach[begin : begin + size], normal, friction, cell, memory, springs, None, out, 0.0)
         for k in range(size):
             dx, dy, _, _ = separation(cell, out.pairs[DX, k], out.pairs[DY, k], 0.0, 0.0)
             branch[begin + k, 0] = dx
             branch[begin + k, 1] = dy
-            overlap[begin + k] = out.pairs[SUM_RADIUS, k] - math.sqrt(dx * dx + dy * dy)
+            overlap[begin + k] = pairs.reach[begin + k] - math.sqrt(dx * dx + dy * dy)
             force[begin + k, 0] = out.force[FX, k]
             force[begin + k, 1] = out.force[FY, k]
     return branch, overlap, force
@@ -60,7 +60,7 @@ def contact_table(state):
     """
     memories = (None if memory is None else memory.copy() for memory in (state.largest, state.spring))
     branch, overlap, force = pair_table(
-        state.body, state.pairs, state.normal, state.friction, state.boundary, *memories, scratch(virial=False)
+        state.body, state.pairs, state.normal, state.friction, state.boundary, *memories, scratch(virial=False, whole=state.out.whole)
     )
     closed = np.flatnonzero(overlap > 0)
     first, second = state.pairs.first[closed].astype(np.int64), state.pairs.second[closed].astype(np.int64)

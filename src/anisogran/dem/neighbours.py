@@ -17,13 +17,15 @@ class PairList(NamedTuple):
 
     first: np.ndarray  # (capacity,) uint32
     second: np.ndarray  # (capacity,) uint32
+    reach: np.ndarray  # (capacity,) sum of the radii; 0 in the spare room
     start: np.ndarray  # (N + 1,) int64
 
 
 def empty_pair_list(grains, capacity):
     """A list without pairs, with room for at least `capacity` of them; a multiple of eight, and every entry the number of a grain."""
     capacity = -(-capacity // 8) * 8
-    return PairList(np.zeros(capacity, np.uint32), np.zeros(capacity, np.uint32), np.zeros(grains + 1, np.int64))
+    indices = (np.zeros(capacity, np.uint32) for _ in range(2))
+    return PairList(*indices, np.zeros(capacity), np.zeros(grains + 1, np.int64))
 
 
 @kernel
@@ -134,6 +136,7 @@ def find_pairs(x, y, radius, movable, cell, skin, pairs):
             for k in range(near):
                 pairs.first[found + k] = i
                 pairs.second[found + k] = candidate[k]
+                pairs.reach[found + k] = radius[i] + radius[candidate[k]]
         found += near
     pairs.start[n] = min(found, capacity)
     return found

@@ -16,7 +16,7 @@ import numpy as np
 
 from anisogran.dem.kernel import block, kernel, unaliased
 from anisogran.dem.laws import normal_force, tangential_force
-from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_RADIUS, SUM_SPIN, add_to_rows, pair_columns
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN, add_to_rows, pair_columns
 
 BLOCK = 256  # pairs; the columns of pairs and of forces take 25 kB
 
@@ -28,21 +28,23 @@ class Scratch(NamedTuple):
     force: np.ndarray  # (4, BLOCK): on the second grain, F_x, F_y, torque taken from the first grain, torque given to the second
     virial_x: np.ndarray | None  # (BLOCK,) force times branch
     virial_y: np.ndarray | None
+    whole: float | None  # None: only positions and velocities are fetched
 
 
-def scratch(virial):
-    """Columns for one block; `virial` says whether the stress is asked for."""
-    return Scratch(np.zeros((8, BLOCK)), np.zeros((4, BLOCK)), *(np.zeros(BLOCK) if virial else None for _ in range(2)))
+def scratch(virial, whole):
+    """Columns for one block: is the stress asked for, and does a law want more than positions and velocities?"""
+    stresses = (np.zeros(BLOCK) if virial else None for _ in range(2))
+    return Scratch(np.zeros((8, BLOCK)), np.zeros((4, BLOCK)), *stresses, 1.0 if whole else None)
 
 
 @kernel
 def separation(cell, dx, dy, du, dv):
     """Difference of position and velocity to the nearest image; unchanged where there is no periodic cell."""
     if cell is not None:
-        rows = math.floor(dy / cell.height + 0.5)
+        rows = math.floor(dy * cell.inverse_height + 0.5)
         dy -= rows * cell.height
         dx -= rows * cell.offset
-        columns = math.floor(dx / cell.width + 0.5)
+        columns = math.floor(dx * cell.inverse_width + 0.5)
         dx -= columns * cell.width
         du -= rows * cell.shear_speed + columns * cell.column_speed
         dv -= rows * cell.row_speed
@@ -50,8 +52,8 @@ def separation(cell, dx, dy, du, dv):
 
 
 @kernel
-def pair_forces(pairs, size, normal, friction, cell, largest, spring, virial, out, dt):
-    """The first `size` pairs of a block: forces and torques into `out`, contact memory updated in place (largest overlap, spring)."""
+def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, out, dt):
+    """Forces and torques of a block of pairs, one for each entry of `reach`, into `out`; contact memory is updated in place."""
     memory = unaliased(largest)
     springs = unaliased(spring)
     force_x = unaliased(out.force[FX])
@@ -66,21 +68,19 @@ def pair_forces(pairs, size, normal, friction, cell, largest, spring, virial, ou
     v = pairs[DV]
     difference_radius = pairs[DIFFERENCE_RADIUS]
     difference_spin = pairs[DIFFERENCE_SPIN]
-    sum_radius = pairs[SUM_RADIUS]
     sum_spin = pairs[SUM_SPIN]
-    for k in range(size):
+    for k in range(reach.size):
         dx, dy, du, dv = separation(cell, x[k], y[k], u[k], v[k])
         distance = math.sqrt(dx * dx + dy * dy)
         inverse = 1.0 / distance
         nx = dx * inverse if distance > 0.0 else 1.0  # coincident centres: a fixed direction, never 0/0
         ny = dy * inverse if distance > 0.0 else 0.0
-        reach = sum_radius[k]
-        overlap = reach - distance
+        overlap = reach[k] - distance
         touch = 1.0 if overlap > 0.0 else 0.0
         memo = 0.0
         if largest is not None:
             memo = memory[k]
-        size_of_pair = 0.5 * (reach - difference_radius[k] * difference_radius[k] / reach)  # 2 a_i a_j/(a_i + a_j)
+        size_of_pair = 0.5 * (reach[k] - difference_radius[k] * difference_radius[k] / reach[k])  # 2 a_i a_j/(a_i + a_j)
         fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo, size_of_pair)
         fn *= touch
         if largest is not None:
@@ -112,10 +112,10 @@ def add_pair_forces(body, pairs, normal, friction, cell, largest, spring, virial
     used = pairs.start[-1]
     for begin in range(0, used, BLOCK):
         size = min(BLOCK, used - begin)
-        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs)
+        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs, out.whole)
         memory = block(largest, begin, begin + size)
         springs = block(spring, begin, begin + size)
-        pair_forces(out.pairs, size, normal, friction, cell, memory, springs, virial, out, dt)
+        pair_forces(out.pairs, pairs.reach[begin : begin + size], normal, friction, cell, memory, springs, virial, out, dt)
         add_to_rows(body.forces, pairs.first, pairs.second, begin, size, out.force, friction)
         if virial is not None:
             for k in range(size):

@@ -14,7 +14,8 @@ from numba.extending import intrinsic, overload
 from anisogran.dem.kernel import OPTIONS
 
 X, Y, VX, VY, RADIUS, SPIN, INVERSE_MASS, INVERSE_INERTIA = range(8)  # a row of a grain
-DX, DY, DU, DV, DIFFERENCE_RADIUS, DIFFERENCE_SPIN, SUM_RADIUS, SUM_SPIN = range(8)  # the columns of pairs: second minus (plus) first
+# the columns of pairs: second minus first, and the sums of both; without anything that asks for more, only the first four are filled
+DX, DY, DU, DV, DIFFERENCE_RADIUS, DIFFERENCE_SPIN, SUM_INVERSE_MASS, SUM_SPIN = range(8)
 FX, FY, TORQUE = range(3)  # a row of forces has four numbers, the last one is spare
 LANES = 8
 
@@ -65,13 +66,13 @@ def _column(builder, columns, lane, k):
     return builder.gep(columns.data, [builder.add(builder.mul(ir.Constant(_INDEX, lane), length), k)])
 
 
-def _transposed(builder, rows):
-    """Eight vectors of eight lanes, transposed in three rounds of exchanges at distances 1, 2 and 4."""
-    for distance in (1, 2, 4):
+def _transposed(builder, rows, distances):
+    """Vectors of eight lanes, transposed in rounds of exchanges: at 1, 2 and 4 eight rows, at 1 and 2 four rows in each half."""
+    for distance in distances:
         low = [lane if not lane & distance else lane - distance + 8 for lane in range(8)]
         high = [lane + distance if not lane & distance else lane + 8 for lane in range(8)]
         exchanged = list(rows)
-        for m in range(8):
+        for m in range(len(rows)):
             if not m & distance:
                 exchanged[m] = builder.shuffle_vector(rows[m], rows[m + distance], _pick(*low))
                 exchanged[m + distance] = builder.shuffle_vector(rows[m], rows[m + distance], _pick(*high))
@@ -79,23 +80,42 @@ def _transposed(builder, rows):
     return rows
 
 
-@intrinsic
-def _fetch_eight(typing_context, rows, first, second, begin, columns, place):
-    """Columns place .. place + 8 of the pairs begin .. begin + 8."""
+def _whole(builder, ends):
+    """The eight columns of eight pairs, from both whole rows of each."""
+    picked = _pick(0, 1, 2, 3, 4, 5, 8 + INVERSE_MASS, 8 + SPIN)
+    vectors = [builder.shuffle_vector(builder.fsub(b, a), builder.fadd(b, a), picked) for a, b in ends]
+    return _transposed(builder, vectors, (1, 2, 4))
 
-    def generate(context, builder, signature, arguments):
-        views = [context.make_array(signature.args[n])(context, builder, value=arguments[n]) for n in (0, 1, 2, 4)]
-        grains, one, other, out = views
-        vectors = []
-        for m in range(8):
-            k = builder.add(arguments[3], ir.Constant(_INDEX, m))
-            a, b = (_load(builder, _row(builder, grains, indices, k, 8), 8) for indices in (one, other))
-            vectors.append(builder.shuffle_vector(builder.fsub(b, a), builder.fadd(b, a), _pick(0, 1, 2, 3, 4, 5, 12, 13)))
-        for lane, vector in enumerate(_transposed(builder, vectors)):
-            _store(builder, vector, _column(builder, out, lane, arguments[5]))
-        return context.get_dummy_value()
 
-    return types.void(rows, first, second, types.int64, columns, types.int64), generate
+def _lean(builder, ends):
+    """The first four columns of eight pairs, from the first halves of both rows of each."""
+    halves = [builder.fsub(b, a) for a, b in ends]
+    vectors = [builder.shuffle_vector(halves[m], halves[m + 4], _pick(*range(8))) for m in range(4)]
+    return _transposed(builder, vectors, (1, 2))
+
+
+def _fetching(arrange, width):
+    """An intrinsic that fills columns place .. place + 8 for the pairs begin .. begin + 8, from the first `width` numbers of each row."""
+
+    @intrinsic
+    def fetch(typing_context, rows, first, second, begin, columns, place):
+        def generate(context, builder, signature, arguments):
+            views = [context.make_array(signature.args[n])(context, builder, value=arguments[n]) for n in (0, 1, 2, 4)]
+            grains, one, other, out = views
+            ends = []
+            for m in range(8):
+                k = builder.add(arguments[3], ir.Constant(_INDEX, m))
+                ends.append([_load(builder, _row(builder, grains, indices, k, 8), width) for indices in (one, other)])
+            for lane, vector in enumerate(arrange(builder, ends)):
+                _store(builder, vector, _column(builder, out, lane, arguments[5]))
+            return context.get_dummy_value()
+
+        return types.void(rows, first, second, types.int64, columns, types.int64), generate
+
+    return fetch
+
+
+_fetch_whole, _fetch_lean = _fetching(_whole, 8), _fetching(_lean, 4)
 
 
 def _adding(count, width):
@@ -128,18 +148,25 @@ _add_eight, _add_one = _ADD[8, 2], _ADD[1, 2]
 _add_eight_turning, _add_one_turning = _ADD[8, 4], _ADD[1, 4]
 
 
-def pair_columns(rows, first, second, begin, size, columns):
-    """Fills columns (8, >= size) for the pairs begin .. begin + size. The lists can be read, and name grains, up to a multiple of 8."""
+def pair_columns(rows, first, second, begin, size, columns, whole):
+    """Fills columns (8, >= size) for the pairs begin .. begin + size; the first four if `whole` is None.
+
+    The lists can be read, and name grains, up to a multiple of 8.
+    """
     i, j = first[begin : begin + size].astype(int), second[begin : begin + size].astype(int)
-    columns[:6, :size] = (rows[j] - rows[i]).T[:6]
-    columns[6:, :size] = (rows[j] + rows[i]).T[4:6]
+    filled = DIFFERENCE_RADIUS if whole is None else SUM_INVERSE_MASS
+    columns[:filled, :size] = (rows[j] - rows[i]).T[:filled]
+    if whole is not None:
+        columns[SUM_INVERSE_MASS:, :size] = (rows[j] + rows[i]).T[[INVERSE_MASS, SPIN]]
 
 
 @overload(pair_columns, jit_options=OPTIONS)
-def _pair_columns(rows, first, second, begin, size, columns):
-    def compiled(rows, first, second, begin, size, columns):
+def _pair_columns(rows, first, second, begin, size, columns, whole):
+    fetch = _fetch_lean if whole == types.none else _fetch_whole
+
+    def compiled(rows, first, second, begin, size, columns, whole):
         for k in range(0, size, LANES):
-            _fetch_eight(rows, first, second, begin + k, columns, k)
+            fetch(rows, first, second, begin + k, columns, k)
 
     return compiled
 

@@ -81,7 +81,7 @@ class Simulation:
             skin=skin,
             reach=reach,
             step_limit=0.5 * float(grains.radius.min()),
-            out=scratch(virial=getattr(state, "virial", None) is not None),
+            out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None),
             counters=Counters.zero(),
         )
         self._chunk = 100  # steps in one compiled call; adapted to the speed
@@ -103,6 +103,7 @@ class Simulation:
         s.counters.pairs[0] = used
         self._make_room()
         s.pairs.first[:used], s.pairs.second[:used] = first[by_first], second[by_first]
+        s.pairs.reach[:used] = before.pairs.reach[:used][by_first]
         s.pairs.start[:] = np.searchsorted(s.pairs.first[:used], np.arange(len(s.order) + 1))
         for name in ("largest", "spring"):
             if getattr(s, name) is not None and getattr(before, name) is not None:
@@ -143,7 +144,8 @@ class Simulation:
         longer = empty_pair_list(len(self.grains), int(1.25 * s.counters.pairs[0]) + 64)
         longer.first[:used] = s.pairs.first[:used]
         longer.second[:used] = s.pairs.second[:used]
-        s.pairs = PairList(longer.first, longer.second, s.pairs.start)
+        longer.reach[:used] = s.pairs.reach[:used]
+        s.pairs = PairList(longer.first, longer.second, longer.reach, s.pairs.start)
         for name in ("largest", "spring"):
             if getattr(s, name) is not None:
                 memory = np.zeros(longer.first.size)

@@ -158,7 +158,7 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
     """A new neighbour list with the old contact memory; returns DONE or what is wrong."""
     settle(boundary, body)
     cell = lattice(boundary)
-    old = PairList(pairs.first.copy(), pairs.second.copy(), pairs.start.copy())
+    old = PairList(pairs.first.copy(), pairs.second.copy(), pairs.reach.copy(), pairs.start.copy())
     counters.pairs[0] = find_pairs(body.x, body.y, body.radius, movable, cell, skin, pairs)
     if counters.pairs[0] < 0:
         counters.grain[0] = body.radius.argmax()
@@ -166,6 +166,7 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
     if counters.pairs[0] > pairs.first.size:
         pairs.first[:] = old.first
         pairs.second[:] = old.second
+        pairs.reach[:] = old.reach
         pairs.start[:] = old.start
         # the list stays due, but the grains may have been wrapped: from here no way would be known
         body.built[:] = body.rows[:, :2]

@@ -27,6 +27,8 @@ class Cell(NamedTuple):
     column_speed: float  # of the image to the right, to the right
     row_speed: float  # of the image above, upwards
     shear_speed: float  # of the image above, to the right
+    inverse_width: float  # a product is several times faster than a quotient, and this is needed for every pair
+    inverse_height: float
     strain: float  # shear strain since the list was built
     stretch_x: float  # ratio of widths, of heights since then
     stretch_y: float
@@ -119,7 +121,7 @@ def lattice(boundary):
     box = boundary.lattice
     return Cell(
         box[0], box[1], box[2], boundary.stretch_rate_x * box[0], boundary.stretch_rate_y * box[1], boundary.shear_rate * box[1],
-        box[3], box[4], box[5],
+        1.0 / box[0], 1.0 / box[1], box[3], box[4], box[5],
     )  # fmt: skip
 
 
