@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulation, collision_time, longest_step
-from anisogran.dem.laws import luding, normal_force, tangential_force
+from anisogran.dem.laws import luding, normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import pair_forces, scratch
 from anisogran.dem.rows import DV, DX
 from anisogran.outcome import InputError
@@ -114,12 +114,34 @@ def test_a_contact_cycle_never_makes_energy(rng):
             assert work > -1e-3  # trapezoids across the kinks of the branches
 
 
+@pytest.mark.parametrize("law", [Linear(1.0), Luding(0.3, 1.0, 0.5)], ids=repr)
+def test_a_contact_gives_back_what_it_has_stored(law, rng):
+    """Without dashpot: on the un- and reloading line the work is what is stored; nowhere is more stored than was put in."""
+    parameters = law.parameters()
+    knots = np.concatenate([[0.0], rng.uniform(0.0, 1.0, 40), [0.0]])
+    path = np.concatenate([np.linspace(a, b, 201)[1:] for a, b in pairwise(knots)])
+    overlap, force, largest, stored, elastic = 0.0, 0.0, 0.0, 0.0, 0
+    for after in path:
+        force_after, _, memory = normal_force(parameters, after, 0.0, largest, 1.0)
+        energy = stored_energy(parameters, after, memory, 1.0)
+        work = 0.5 * (force + force_after) * (after - overlap)  # exact on straight branches
+        if memory == largest:
+            elastic += 1
+            assert energy - stored == pytest.approx(work, abs=1e-14)
+        else:  # a step across a kink between two branches does up to (k2 - k1) step^2/8 more work than the trapezoid
+            assert energy - stored < work + 3e-6
+        overlap, force, largest, stored = after, force_after, memory, energy
+    assert elastic > 500
+    assert stored == 0.0  # at zero overlap
+
+
 def test_friction_sticks_then_slides_at_the_limit():
     law = Friction(10.0, 0.5, 0.3).parameters()
     assert tangential_force(law, 0.0, 0.1, 1.0, 0.1) == (pytest.approx(-0.1), pytest.approx(0.01))
     force, spring = tangential_force(law, 0.0, 1.0, 1.0, 0.1)  # trial 1.0 is beyond 0.5: slides at 0.3
     assert force == pytest.approx(-0.3)
     assert -law.stiffness * spring == pytest.approx(force)
+    assert tangential_energy(law, spring) == pytest.approx(0.5 * 0.3 * 0.03)  # half of force times stretch
     assert tangential_force(law, 0.02, 0.0, 0.0, 0.1) == (pytest.approx(0.0), pytest.approx(0.0))  # no normal force, no friction
 
 

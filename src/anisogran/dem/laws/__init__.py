@@ -12,6 +12,8 @@ from anisogran.dem.laws.luding import Luding
 NORMAL_LAWS = {Linear: linear, Luding: luding}
 
 normal_force = specialised({linear.LinearParameters: linear.force, luding.LudingParameters: luding.force})
+stored_energy = specialised({linear.LinearParameters: linear.stored_energy, luding.LudingParameters: luding.stored_energy})
 tangential_force = specialised({friction.FrictionParameters: friction.force})
+tangential_energy = specialised({friction.FrictionParameters: friction.stored_energy})
 
-__all__ = ["NORMAL_LAWS", "Friction", "Linear", "Luding", "normal_force", "tangential_force"]
+__all__ = ["NORMAL_LAWS", "Friction", "Linear", "Luding", "normal_force", "stored_energy", "tangential_energy", "tangential_force"]

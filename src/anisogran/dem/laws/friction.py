@@ -54,3 +54,8 @@ def force(law, spring, slip, normal, dt):
     sticks = abs(trial) <= law.mu_static * normal
     total = trial if sticks else copysign(law.mu_dynamic * normal, trial)
     return total, stretched if sticks else -(total + law.damping * slip) / law.stiffness
+
+
+def stored_energy(law, spring):
+    """Energy in J of the tangential spring."""
+    return 0.5 * law.stiffness * spring * spring

@@ -46,3 +46,8 @@ def force(law, overlap, rate, largest, size):
     """
     total = law.stiffness * overlap - law.damping * rate
     return total, abs(total), largest
+
+
+def stored_energy(law, overlap, largest, size):
+    """Energy in J that a closed contact can give back."""
+    return 0.5 * law.stiffness * overlap * overlap

@@ -63,3 +63,12 @@ def force(law, overlap, rate, largest, size):
     largest = law.reset * overlap if elastic < limit else largest
     total = max(elastic, limit) - law.damping * rate
     return total, abs(total - limit), largest
+
+
+def stored_energy(law, overlap, largest, size):
+    """Energy in J that a closed contact can give back along its un- and reloading line, in compression or tension.
+
+    `largest` is what the force has left. The rest of the work, along the loading branch and the adhesive limit, is lost.
+    """
+    elastic = law.k2 * overlap - (law.k2 - law.k1) * largest
+    return 0.5 * elastic * elastic / law.k2
