@@ -58,7 +58,7 @@ def contact_table(state):
 
     Grains have the numbers that the user gave them.
     """
-    memories = (None if memory is None else memory.copy() for memory in (state.largest, state.spring))
+    memories = (None if memory is None else memory.copy() for memory in state.memory[:2])
     branch, overlap, force = pair_table(
         state.body, state.pairs, state.normal, state.friction, state.boundary, *memories, scratch(virial=False, whole=state.out.whole)
     )
@@ -71,7 +71,7 @@ def contact_table(state):
 
     if state.wall_list is None:
         return pairs, force, point, overlap
-    memories = (None if memory is None else memory.copy() for memory in (state.wall_largest, state.wall_spring))
+    memories = (None if memory is None else memory.copy() for memory in state.wall_memory[:2])
     wall_overlap, wall_force, wall_point = wall_table(
         state.boundary, state.body, state.spin, state.wall_list, state.normal, state.wall_friction, *memories
     )

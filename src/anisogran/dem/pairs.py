@@ -1,8 +1,4 @@
-"""Forces between grains: one branch-free pass over blocks of the pair list, then a sum onto the grains in a fixed order.
-
-A block goes through three stages that stay in the first-level cache: rows of grains become columns of pairs, the laws turn the columns
-into forces in vector instructions, and the forces are added to the rows of the grains, always in the order of the list, so that a run
-can be repeated bit for bit.
+"""Forces between grains: one branch-free pass over a block of pairs, which the compiler turns into vector instructions.
 
 Pair (i, j): the normal n points from i to j, the tangent is t = (-n_y, n_x). Both grains share the contact point in the middle of the
 overlap, so the lever arms are radius - overlap/2, the same in the slip velocity and in the torque; together they make the distance of
@@ -14,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import block, kernel, unaliased
+from anisogran.dem.kernel import kernel, unaliased
 from anisogran.dem.laws import normal_force, tangential_force
-from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN, add_to_rows, pair_columns
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN
 
 BLOCK = 256  # pairs; the columns of pairs and of forces take 25 kB
 
@@ -52,6 +48,25 @@ def separation(cell, dx, dy, du, dv):
 
 
 @kernel
+def direction(dx, dy, distance):
+    """Unit vector from the first grain to the second; for coincident centres a fixed one, never 0/0."""
+    inverse = 1.0 / distance
+    return (dx * inverse, dy * inverse) if distance > 0.0 else (1.0, 0.0)
+
+
+@kernel
+def slip_velocity(nx, ny, du, dv, distance, difference_radius, difference_spin, sum_spin):
+    """Velocity of the second grain's surface against the first one's along the tangent, at the middle of the overlap."""
+    return dv * nx - du * ny - 0.5 * distance * sum_spin - 0.5 * difference_radius * difference_spin
+
+
+@kernel
+def pair_size(reach, difference_radius):
+    """The length 2 a_i a_j/(a_i + a_j) of a pair, from sum and difference of its radii."""
+    return 0.5 * (reach - difference_radius * difference_radius / reach)
+
+
+@kernel
 def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, out, dt):
     """Forces and torques of a block of pairs, one for each entry of `reach`, into `out`; contact memory is updated in place."""
     memory = unaliased(largest)
@@ -72,16 +87,13 @@ def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, o
     for k in range(reach.size):
         dx, dy, du, dv = separation(cell, x[k], y[k], u[k], v[k])
         distance = math.sqrt(dx * dx + dy * dy)
-        inverse = 1.0 / distance
-        nx = dx * inverse if distance > 0.0 else 1.0  # coincident centres: a fixed direction, never 0/0
-        ny = dy * inverse if distance > 0.0 else 0.0
+        nx, ny = direction(dx, dy, distance)
         overlap = reach[k] - distance
         touch = 1.0 if overlap > 0.0 else 0.0
         memo = 0.0
         if largest is not None:
             memo = memory[k]
-        size_of_pair = 0.5 * (reach[k] - difference_radius[k] * difference_radius[k] / reach[k])  # 2 a_i a_j/(a_i + a_j)
-        fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo, size_of_pair)
+        fn, bound, memo = normal_force(normal, overlap, du * nx + dv * ny, memo, pair_size(reach[k], difference_radius[k]))
         fn *= touch
         if largest is not None:
             memory[k] = memo * touch
@@ -89,7 +101,7 @@ def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, o
         if friction is not None:
             mean_arm = 0.5 * distance
             half = 0.5 * difference_radius[k]
-            slip = dv * nx - du * ny - mean_arm * sum_spin[k] - half * difference_spin[k]
+            slip = slip_velocity(nx, ny, du, dv, distance, difference_radius[k], difference_spin[k], sum_spin[k])
             ft, stretched = tangential_force(friction, springs[k], slip, bound * touch, dt)
             ft *= touch
             springs[k] = stretched * touch
@@ -102,22 +114,3 @@ def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, o
         if virial is not None:
             virial_x[k] = fx * dx
             virial_y[k] = fy * dy
-
-
-@kernel
-def add_pair_forces(body, pairs, normal, friction, cell, largest, spring, virial, out, dt):
-    """Adds the forces of all pairs to the rows of body.forces, and leaves the sums of f_x branch_x and f_y branch_y in `virial`."""
-    if virial is not None:
-        virial[:] = 0.0
-    used = pairs.start[-1]
-    for begin in range(0, used, BLOCK):
-        size = min(BLOCK, used - begin)
-        pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs, out.whole)
-        memory = block(largest, begin, begin + size)
-        springs = block(spring, begin, begin + size)
-        pair_forces(out.pairs, pairs.reach[begin : begin + size], normal, friction, cell, memory, springs, virial, out, dt)
-        add_to_rows(body.forces, pairs.first, pairs.second, begin, size, out.force, friction)
-        if virial is not None:
-            for k in range(size):
-                virial[0] += out.virial_x[k]
-                virial[1] += out.virial_y[k]

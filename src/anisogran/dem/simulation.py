@@ -8,12 +8,14 @@ import numpy as np
 
 from anisogran.dem.boundaries import Open
 from anisogran.dem.contacts import contact_table
+from anisogran.dem.forces import Memory, add_all_forces
 from anisogran.dem.grains import Grains
+from anisogran.dem.ledger import BOUNDARY, SUMS, stored_in_contacts
 from anisogran.dem.limits import CAUSES, START_OVERLAP, STARTS, check_effects, doubts, gravity_vector, longest_step
 from anisogran.dem.neighbours import PairList, empty_pair_list
 from anisogran.dem.pairs import scratch
 from anisogran.dem.rows import INVERSE_INERTIA, INVERSE_MASS, SPIN, TORQUE, grain_rows
-from anisogran.dem.stepping import DEEP_OVERLAP, DONE, LIST_FULL, Counters, add_all_forces, body_of, rebuild, run_steps
+from anisogran.dem.stepping import DEEP_OVERLAP, DONE, LIST_FULL, Counters, body_of, rebuild, run_steps
 from anisogran.dem.walls import empty_wall_list
 from anisogran.outcome import InputError, RunFailed, Status, checked
 from anisogran.snapshot import Snapshot
@@ -26,14 +28,15 @@ class Simulation:
     gravity: (g_x, g_y) in m/s2, or None; boundary: Open, Box, Ring or Periodic; dt in s, default a tenth of `longest_step`, which is a
     fiftieth of the shortest contact time unless a dashpot is strong, and never more than `longest_step` unless `allow_coarse_dt`.
     wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, or None; `skin` in m is
-    the reserve of the neighbour list. An absent effect is not compiled and holds no memory.
+    the reserve of the neighbour list; `ledger` asks for the book of energies, see `energy`. An absent effect is not compiled and holds no
+    memory.
     Driven grains keep the velocity and the spin they are given, unless their boundary (Ring) moves them.
     Raises InputError before the first step for anything that cannot be simulated.
     """
 
     def __init__(
         self, grains, normal, friction=None, rolling=None, gravity=None, boundary=None, dt=None, *,
-        wall_friction=None, drag=None, skin=None, allow_coarse_dt=False, predecessor=None,
+        wall_friction=None, drag=None, skin=None, allow_coarse_dt=False, ledger=False, predecessor=None,
     ):  # fmt: skip
         if not isinstance(grains, Grains):
             raise InputError(f"Simulation: grains = {grains!r} must be a dem.Grains record")
@@ -57,7 +60,6 @@ class Simulation:
         order = memory_order(grains.position, movable, reach)
         body = body_of(grain_rows(grains, order))
         rotates = friction is not None or (wall_friction is not None and walls > 0)
-        remembers = normal.remembers
         pairs = empty_pair_list(n, 6 * n + 64)
         capacity = pairs.first.size
         state = boundary.state()
@@ -67,10 +69,8 @@ class Simulation:
             spin=body.rows[:, SPIN] if rotates else None,
             pairs=pairs,
             wall_list=empty_wall_list(n, walls),
-            largest=np.zeros(capacity) if remembers else None,
-            spring=np.zeros(capacity) if friction is not None else None,
-            wall_largest=np.zeros((walls, n)) if remembers and walls else None,
-            wall_spring=np.zeros((walls, n)) if wall_friction is not None and walls else None,
+            memory=memory_of(capacity, normal.remembers, friction is not None, ledger),
+            wall_memory=memory_of((walls, n), normal.remembers and walls, wall_friction is not None and walls, ledger and walls),
             normal=normal.parameters(),
             friction=None if friction is None else friction.parameters(),
             wall_friction=None if wall_friction is None or not walls else wall_friction.parameters(),
@@ -81,6 +81,8 @@ class Simulation:
             skin=skin,
             reach=reach,
             step_limit=0.5 * float(grains.radius.min()),
+            ledger=np.zeros(len(SUMS)) if ledger else None,
+            energy_at_start=0.0,
             out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None),
             counters=Counters.zero(),
         )
@@ -89,6 +91,8 @@ class Simulation:
             self._inherit(predecessor)
         self._build(start=predecessor is None)
         self._force()
+        if ledger:
+            self._state.energy_at_start = self.energy()["imbalance"]
 
     def _inherit(self, predecessor):
         """The pair list and the contact memory of the stage before, in the order in which this one keeps its grains."""
@@ -105,11 +109,10 @@ class Simulation:
         s.pairs.first[:used], s.pairs.second[:used] = first[by_first], second[by_first]
         s.pairs.reach[:used] = before.pairs.reach[:used][by_first]
         s.pairs.start[:] = np.searchsorted(s.pairs.first[:used], np.arange(len(s.order) + 1))
-        for name in ("largest", "spring"):
-            if getattr(s, name) is not None and getattr(before, name) is not None:
-                getattr(s, name)[:used] = getattr(before, name)[:used][by_first]
-        for name in ("wall_largest", "wall_spring"):
-            mine, theirs = getattr(s, name), getattr(before, name)
+        for mine, theirs in zip(s.memory, before.memory, strict=True):
+            if mine is not None and theirs is not None:
+                mine[:used] = theirs[:used][by_first]
+        for mine, theirs in zip(s.wall_memory, before.wall_memory, strict=True):
             if mine is not None and theirs is not None and mine.shape == theirs.shape:
                 mine[:, moved] = theirs
 
@@ -135,7 +138,7 @@ class Simulation:
 
     def _rebuild(self):
         s = self._state
-        return rebuild(s.body, s.pairs, s.wall_list, s.largest, s.spring, s.boundary, s.movable, s.skin, s.counters)
+        return rebuild(s.body, s.pairs, s.wall_list, s.memory, s.boundary, s.movable, s.skin, s.ledger, s.counters)
 
     def _make_room(self):
         """Longer arrays for the list and its memory, with a reserve of a quarter."""
@@ -146,18 +149,18 @@ class Simulation:
         longer.second[:used] = s.pairs.second[:used]
         longer.reach[:used] = s.pairs.reach[:used]
         s.pairs = PairList(longer.first, longer.second, longer.reach, s.pairs.start)
-        for name in ("largest", "spring"):
-            if getattr(s, name) is not None:
-                memory = np.zeros(longer.first.size)
-                memory[:used] = getattr(s, name)[:used]
-                setattr(s, name, memory)
+        kept = s.memory
+        s.memory = memory_of(longer.first.size, *(part is not None for part in kept))
+        for mine, theirs in zip(s.memory, kept, strict=True):
+            if theirs is not None:
+                mine[:used] = theirs[:used]
 
     def _force(self):
         """Forces at the present positions and velocities; springs do not stretch in no time."""
         s = self._state
         add_all_forces(
-            s.body, s.spin, s.pairs, s.wall_list, s.largest, s.spring, s.wall_largest, s.wall_spring,
-            s.normal, s.friction, s.wall_friction, s.boundary, s.out, 0.0,
+            s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.drag, s.boundary,
+            s.movable, s.ledger, s.out, 0.0,
         )  # fmt: skip
 
     def _raise_unless_done(self, code):
@@ -179,9 +182,8 @@ class Simulation:
         while self.step < end:
             begin, clock = self.step, time.perf_counter()
             code = run_steps(
-                s.body, s.spin, s.pairs, s.wall_list, s.largest, s.spring, s.wall_largest, s.wall_spring,
-                s.normal, s.friction, s.wall_friction, s.gravity, s.drag, s.boundary, s.movable, s.skin, s.reach, s.step_limit,
-                s.out, s.counters, self.dt, min(self._chunk, end - begin),
+                s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.gravity, s.drag,
+                s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.ledger, s.out, s.counters, self.dt, min(self._chunk, end - begin),
             )  # fmt: skip
             if code == LIST_FULL:
                 self._make_room()
@@ -199,7 +201,8 @@ class Simulation:
         """
         position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
         grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin)
-        arguments = {**self.effects, "dt": self.dt, "skin": self._state.skin, "allow_coarse_dt": "dt" not in changes, **changes}
+        arguments = {**self.effects, "dt": self.dt, "skin": self._state.skin, "allow_coarse_dt": "dt" not in changes}
+        arguments |= {"ledger": self._state.ledger is not None, **changes}
         stage = Simulation(grains, boundary=boundary, predecessor=self, **arguments)
         contact = np.hypot(*contact_table(self._state)[1].T)
         net = np.hypot(*self.net_force[: self._state.movable].T)
@@ -283,13 +286,38 @@ class Simulation:
     def bytes_per_grain(self):
         """Memory of the state in bytes a grain: rows, forces, pair list, contact memory."""
         s = self._state
-        arrays = [s.order, s.body.rows, s.body.forces, s.body.built, *s.pairs, s.largest, s.spring, s.wall_largest, s.wall_spring]
+        arrays = [s.order, s.body.rows, s.body.forces, s.body.built, *s.pairs, *s.memory, *s.wall_memory]
         return sum(array.nbytes for array in [*arrays, *(s.wall_list or ())] if array is not None) / len(self.grains)
 
     def active_effects(self):
         """Two lists of names: the effects this simulation is compiled for, and those it leaves out."""
         active = {name: effect for name, effect in self.effects.items() if effect is not None}
         return [f"{name}: {effect}" for name, effect in active.items()], [name for name in self.effects if name not in active]
+
+    def energy(self):
+        """Energies in J, a dict: kinetic, elastic (what all contacts can give back) and, under gravity, potential.
+
+        With `ledger=True` also what has gone since the start: dissipated_dashpot, _friction, _plasticity and _drag, the boundary_work that
+        walls, driven grains and the periodic lattice have done on the free grains, and the `imbalance` of the whole book, which is 0 but
+        for the error of the time step.
+        """
+        s = self._state
+        energy = {
+            "kinetic": self.kinetic_energy(),
+            "elastic": float(
+                stored_in_contacts(
+                    s.body, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.boundary, s.out
+                )
+            ),
+        }
+        if s.gravity is not None:
+            rows = s.body.rows[: s.movable]
+            energy["potential"] = float(-np.sum(rows[:, :2] @ np.array(s.gravity) / rows[:, INVERSE_MASS]))
+        if s.ledger is not None:
+            present = sum(energy.values())
+            energy |= dict(zip(SUMS, s.ledger.tolist(), strict=True))
+            energy["imbalance"] = present + sum(s.ledger[:BOUNDARY]) - s.ledger[BOUNDARY] - s.energy_at_start
+        return energy
 
     def kinetic_energy(self):
         """Kinetic energy of the movable grains in J, spin included where it takes part."""
@@ -309,6 +337,12 @@ class Simulation:
             self.position, self.grains.radius, self.grains.mass, self.velocity, self.spin, pairs, force, point, overlap,
             cell=cell, volume=volume, fixed=fixed, time=self.time,
         )  # fmt: skip
+
+
+def memory_of(shape, remembers, rubs, accounted):
+    """Contact memory of that shape for the effects that want it."""
+    of_ledger = (*np.atleast_1d(shape), 3)
+    return Memory(*(np.zeros(size) if wanted else None for size, wanted in ((shape, remembers), (shape, rubs), (of_ledger, accounted))))
 
 
 def memory_order(position, movable, reach):

@@ -9,12 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.boundaries import advance, lattice, settle, stress_sums
+from anisogran.dem.boundaries import advance, lattice, settle
+from anisogran.dem.forces import add_all_forces
 from anisogran.dem.kernel import kernel
+from anisogran.dem.ledger import BOUNDARY
 from anisogran.dem.neighbours import PairList, carry_over, find_pairs
-from anisogran.dem.pairs import add_pair_forces, separation
+from anisogran.dem.pairs import separation
 from anisogran.dem.rows import FX, FY, INVERSE_INERTIA, INVERSE_MASS, RADIUS, SPIN, TORQUE, VX, VY, X, Y
-from anisogran.dem.walls import add_wall_forces, find_wall_contacts
+from anisogran.dem.walls import find_wall_contacts
 
 CHECK_EVERY = 10  # steps between two looks at how far the grains have moved since the list was built
 
@@ -154,9 +156,22 @@ def look_for_deep_pairs(body, pairs, cell, counters):
 
 
 @kernel
-def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters):
+def translation_energy(rows, movable):
+    """Kinetic energy of the translation of the movable grains in J."""
+    total = 0.0
+    for i in range(movable):
+        total += 0.5 * (rows[i, VX] ** 2 + rows[i, VY] ** 2) / rows[i, INVERSE_MASS]
+    return total
+
+
+@kernel
+def rebuild(body, pairs, wall_list, memory, boundary, movable, skin, ledger, counters):
     """A new neighbour list with the old contact memory; returns DONE or what is wrong."""
+    if ledger is not None:
+        ledger[BOUNDARY] -= translation_energy(body.rows, movable)
     settle(boundary, body)
+    if ledger is not None:  # a grain that comes back through the other side of a moving lattice has another velocity
+        ledger[BOUNDARY] += translation_energy(body.rows, movable)
     cell = lattice(boundary)
     old = PairList(pairs.first.copy(), pairs.second.copy(), pairs.reach.copy(), pairs.start.copy())
     counters.pairs[0] = find_pairs(body.x, body.y, body.radius, movable, cell, skin, pairs)
@@ -172,8 +187,9 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
         body.built[:] = body.rows[:, :2]
         counters.travel[0] = skin
         return LIST_FULL
-    carry_over(old, pairs, largest)
-    carry_over(old, pairs, spring)
+    carry_over(old, pairs, memory.largest)
+    carry_over(old, pairs, memory.spring)
+    carry_over(old, pairs, memory.last)
     counters.builds[0] += 1
     body.built[:] = body.rows[:, :2]
     counters.travel[0] = 0.0
@@ -184,19 +200,9 @@ def rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, co
 
 
 @kernel
-def add_all_forces(
-    body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, boundary, out, dt
-):
-    """Forces and torques on all grains and walls, contact memory advanced by dt."""
-    body.forces[:] = 0.0
-    add_wall_forces(boundary, body, spin, wall_list, normal, wall_friction, wall_largest, wall_spring, dt)
-    add_pair_forces(body, pairs, normal, friction, lattice(boundary), largest, spring, stress_sums(boundary), out, dt)
-
-
-@kernel
 def run_steps(
-    body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, gravity, drag,
-    boundary, movable, skin, reach, step_limit, out, counters, dt, steps,
+    body, spin, pairs, wall_list, memory, wall_memory, normal, friction, wall_friction, gravity, drag, boundary, movable, skin, reach,
+    step_limit, ledger, out, counters, dt, steps,
 ):  # fmt: skip
     """Up to `steps` steps; returns DONE, or why it stopped early at counters.step (LIST_FULL: make room and call again).
 
@@ -218,7 +224,7 @@ def run_steps(
                 # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
                 kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)
                 owed = 0.0
-                code = rebuild(body, pairs, wall_list, largest, spring, boundary, movable, skin, counters)
+                code = rebuild(body, pairs, wall_list, memory, boundary, movable, skin, ledger, counters)
                 counters.late[0] += code in (DONE, LIST_FULL) and approach > skin
             elif counters.step[0] % DEEP_EVERY == 0:
                 code = look_for_deep_pairs(body, pairs, lattice(boundary), counters)
@@ -229,7 +235,7 @@ def run_steps(
         counters.travel[1] = advance(boundary, body, spin, movable, reach, counters.step[0] * dt, dt)
         counters.travel[0] += counters.travel[1]
         add_all_forces(
-            body, spin, pairs, wall_list, largest, spring, wall_largest, wall_spring, normal, friction, wall_friction, boundary, out, dt
+            body, spin, pairs, wall_list, memory, wall_memory, normal, friction, wall_friction, drag, boundary, movable, ledger, out, dt
         )
         owed = half
     kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)

@@ -32,10 +32,12 @@ class Cell(NamedTuple):
     strain: float  # shear strain since the list was built
     stretch_x: float  # ratio of widths, of heights since then
     stretch_y: float
+    growth_x: float  # strain of the last step by the pressures
+    growth_y: float
 
 
 class PeriodicState(NamedTuple):
-    """lattice = [width, height, offset, strain, stretch_x, stretch_y], the last three since the list was built.
+    """lattice = [width, height, offset, strain, stretch_x, stretch_y, growth_x, growth_y]; see Cell.
 
     virial = sums over the contacts of f_x branch_x and f_y branch_y, left there by the force loop; None where no pressure is held.
     """
@@ -98,7 +100,7 @@ class Periodic:
         pressures = self._pair("pressure")
         controlled = any(pressure is not None for pressure in pressures)
         return PeriodicState(
-            np.array([self.width, self.height, 0.0, 0.0, 1.0, 1.0]),
+            np.array([self.width, self.height, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
             np.zeros(2) if controlled else None,
             float(self.shear_rate),
             *(float(rate) for rate in self._pair("stretch_rate")),
@@ -121,7 +123,7 @@ def lattice(boundary):
     box = boundary.lattice
     return Cell(
         box[0], box[1], box[2], boundary.stretch_rate_x * box[0], boundary.stretch_rate_y * box[1], boundary.shear_rate * box[1],
-        1.0 / box[0], 1.0 / box[1], box[3], box[4], box[5],
+        1.0 / box[0], 1.0 / box[1], box[3], box[4], box[5], box[6], box[7],
     )  # fmt: skip
 
 
@@ -169,6 +171,8 @@ def advance(boundary, body, spin, movable, reach, time, dt):
     """Slides the image above and changes the sides; two grains `reach` apart approach affinely by the result."""
     box = boundary.lattice
     stretch_x, stretch_y = pressed(boundary.virial, box, body, boundary.pressure_x, boundary.pressure_y, boundary.viscosity, dt)
+    box[6] = stretch_x - 1.0
+    box[7] = stretch_y - 1.0
     stretch_x *= math.exp(dt * boundary.stretch_rate_x)
     stretch_y *= math.exp(dt * boundary.stretch_rate_y)
     strain = dt * boundary.shear_rate

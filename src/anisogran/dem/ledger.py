@@ -1,0 +1,193 @@
+"""The energy ledger, on request: what dashpots, friction, plasticity and drag have taken, and what the boundary has given.
+
+It looks at each contact before its forces are computed, with the memory of the step before, and touches nothing but its own arrays: a run
+gives the same bits with and without it. The work of a force over a step is the mean of its values before and after, times the way, just
+as the time stepping has it; for that a contact remembers its overlap and the forces of its dashpot and of its friction (LAST).
+"""
+
+import math
+
+from anisogran.dem.boundaries import lattice, touch
+from anisogran.dem.kernel import block, kernel
+from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
+from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
+
+OVERLAP, VISCOUS, TANGENTIAL = range(3)  # what a contact remembers of the last step: m, N, N
+DASHPOT, FRICTION, PLASTICITY, DRAG, BOUNDARY = range(5)
+SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "dissipated_drag", "boundary_work")
+
+
+@kernel
+def normal_losses(normal, last, overlap, rate, largest, size, dt):
+    """One contact over one step: energy lost to the dashpot and to plasticity, mean forces of both, and the bound of friction."""
+    before = last[OVERLAP]
+    spring_before = 0.0
+    stored_before = 0.0
+    if before > 0.0:
+        spring_before, _, _ = normal_force(normal, before, 0.0, largest, size)
+        stored_before = stored_energy(normal, before, largest, size)
+    spring = 0.0
+    stored = 0.0
+    whole = 0.0
+    bound = 0.0
+    if overlap > 0.0:
+        spring, _, memory = normal_force(normal, overlap, 0.0, largest, size)
+        stored = stored_energy(normal, overlap, memory, size)
+        whole, bound, _ = normal_force(normal, overlap, rate, largest, size)
+    elastic = 0.5 * (spring_before + spring)
+    viscous = 0.5 * (last[VISCOUS] + whole - spring)
+    last[OVERLAP] = overlap
+    last[VISCOUS] = whole - spring
+    return -viscous * rate * dt, elastic * (overlap - before) - (stored - stored_before), elastic, viscous, bound
+
+
+@kernel
+def tangential_losses(friction, closed, last, slip, spring, bound, dt):
+    """One contact over one step: energy lost to the tangential dashpot and to sliding, and the mean force.
+
+    An opening contact loses what its spring still holds.
+    """
+    held = tangential_energy(friction, spring)
+    force = 0.0
+    stretched = 0.0
+    if closed:
+        force, stretched = tangential_force(friction, spring, slip, bound, dt)
+    mean = 0.5 * (last[TANGENTIAL] + force)
+    last[TANGENTIAL] = force
+    lost = -mean * slip * dt - (tangential_energy(friction, stretched) - held)
+    sticks = closed and abs(stretched - (spring + slip * dt)) <= 1e-12 * abs(stretched)  # all of the slip has gone into the spring
+    return lost if sticks else 0.0, 0.0 if sticks else lost, mean
+
+
+@kernel
+def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, sums, dt):
+    """A block of pairs, before their forces: the losses of this step into `sums`, what the next step wants to know into `last`."""
+    for k in range(reach.size):
+        dx, dy, du, dv = separation(cell, pairs[DX, k], pairs[DY, k], pairs[DU, k], pairs[DV, k])
+        distance = math.sqrt(dx * dx + dy * dy)
+        overlap = max(reach[k] - distance, 0.0)
+        if overlap == 0.0 and last[k, OVERLAP] == 0.0:
+            continue
+        nx, ny = direction(dx, dy, distance)
+        memo = 0.0
+        if largest is not None:
+            memo = largest[k]
+        difference = pairs[DIFFERENCE_RADIUS, k]
+        size = pair_size(reach[k], difference)
+        viscous, plastic, mean, _, bound = normal_losses(normal, last[k], overlap, du * nx + dv * ny, memo, size, dt)
+        if dt > 0.0:  # else the book is only opened
+            sums[DASHPOT] += viscous
+            sums[PLASTICITY] += plastic
+            if cell is not None:  # under pressure it carries the grains along, which no velocity tells
+                sums[BOUNDARY] -= mean * (nx * cell.growth_x * dx + ny * cell.growth_y * dy)
+        if friction is not None:
+            slip = slip_velocity(nx, ny, du, dv, distance, difference, pairs[DIFFERENCE_SPIN, k], pairs[SUM_SPIN, k])
+            viscous, sliding, _ = tangential_losses(friction, overlap > 0.0, last[k], slip, spring[k], bound, dt)
+            if dt > 0.0:
+                sums[DASHPOT] += viscous
+                sums[FRICTION] += sliding
+
+
+@kernel
+def account_images(pairs, size, cell, force, sums, dt):
+    """A block of pairs, after their forces: the work of the moving lattice, since an image is faster than its original."""
+    if cell is not None:
+        for k in range(size):
+            u = pairs[DU, k]
+            v = pairs[DV, k]
+            _, _, du, dv = separation(cell, pairs[DX, k], pairs[DY, k], u, v)
+            sums[BOUNDARY] -= (force[FX, k] * (du - u) + force[FY, k] * (dv - v)) * dt
+
+
+@kernel
+def account_walls(boundary, body, spin, wall_list, normal, friction, largest, spring, last, sums, dt):
+    """The contacts with walls, before their forces: losses, and the work of moving walls."""
+    if wall_list is not None:
+        for k in range(wall_list.size[0]):
+            i = wall_list.grain[k]
+            wall = wall_list.wall[k]
+            radius = body.radius[i]
+            overlap, nx, ny, wall_vx, wall_vy = touch(boundary, wall, body.x[i], body.y[i], radius)
+            overlap = max(overlap, 0.0)
+            if overlap == 0.0 and last[wall, i, OVERLAP] == 0.0:
+                continue
+            du = wall_vx - body.vx[i]
+            dv = wall_vy - body.vy[i]
+            memo = 0.0
+            if largest is not None:
+                memo = largest[wall, i]
+            rate = du * nx + dv * ny
+            viscous, plastic, elastic, damping, bound = normal_losses(normal, last[wall, i], overlap, rate, memo, 2.0 * radius, dt)
+            if dt > 0.0:
+                sums[DASHPOT] += viscous
+                sums[PLASTICITY] += plastic
+                sums[BOUNDARY] -= (elastic + damping) * (wall_vx * nx + wall_vy * ny) * dt
+            if friction is not None:
+                slip = dv * nx - du * ny - (radius - 0.5 * overlap) * spin[i]
+                viscous, sliding, ft = tangential_losses(friction, overlap > 0.0, last[wall, i], slip, spring[wall, i], bound, dt)
+                if dt > 0.0:
+                    sums[DASHPOT] += viscous
+                    sums[FRICTION] += sliding
+                    sums[BOUNDARY] -= ft * (wall_vy * nx - wall_vx * ny) * dt
+
+
+@kernel
+def account_grains(rows, forces, movable, drag, sums, dt):
+    """After all forces: what drag takes, and the work that driven grains do on the others."""
+    if drag is not None:
+        for i in range(movable):
+            sums[DRAG] += drag * (rows[i, VX] ** 2 + rows[i, VY] ** 2) * dt
+    for i in range(movable, rows.shape[0]):
+        power = forces[i, FX] * rows[i, VX] + forces[i, FY] * rows[i, VY] + forces[i, TORQUE] * rows[i, SPIN]
+        sums[BOUNDARY] -= power * dt
+
+
+@kernel
+def stored_in_pairs(pairs, reach, normal, friction, cell, largest, spring):
+    """Energy in J that the contacts of a block of pairs can give back."""
+    total = 0.0
+    for k in range(reach.size):
+        dx, dy, _, _ = separation(cell, pairs[DX, k], pairs[DY, k], 0.0, 0.0)
+        overlap = reach[k] - math.sqrt(dx * dx + dy * dy)
+        if overlap > 0.0:
+            memo = 0.0
+            if largest is not None:
+                memo = largest[k]
+            total += stored_energy(normal, overlap, memo, pair_size(reach[k], pairs[DIFFERENCE_RADIUS, k]))
+            if friction is not None:
+                total += tangential_energy(friction, spring[k])
+    return total
+
+
+@kernel
+def stored_at_walls(boundary, body, wall_list, normal, friction, largest, spring):
+    """Energy in J that the contacts with walls can give back."""
+    total = 0.0
+    if wall_list is not None:
+        for k in range(wall_list.size[0]):
+            i = wall_list.grain[k]
+            wall = wall_list.wall[k]
+            overlap = touch(boundary, wall, body.x[i], body.y[i], body.radius[i])[0]
+            if overlap > 0.0:
+                memo = 0.0
+                if largest is not None:
+                    memo = largest[wall, i]
+                total += stored_energy(normal, overlap, memo, 2.0 * body.radius[i])
+                if friction is not None:
+                    total += tangential_energy(friction, spring[wall, i])
+    return total
+
+
+@kernel
+def stored_in_contacts(body, pairs, wall_list, memory, wall_memory, normal, friction, wall_friction, boundary, out):
+    """Energy in J that all contacts can give back at this instant: the springs of pairs and walls."""
+    cell = lattice(boundary)
+    total = stored_at_walls(boundary, body, wall_list, normal, wall_friction, wall_memory.largest, wall_memory.spring)
+    used = pairs.start[-1]
+    for begin in range(0, used, BLOCK):
+        end = min(begin + BLOCK, used)
+        pair_columns(body.rows, pairs.first, pairs.second, begin, end - begin, out.pairs, out.whole)
+        largest = block(memory.largest, begin, end)
+        total += stored_in_pairs(out.pairs, pairs.reach[begin:end], normal, friction, cell, largest, block(memory.spring, begin, end))
+    return total
