@@ -3,12 +3,14 @@
 import math
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 
-from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodic, Pressure, Ring, Simulation
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Path, Periodic, Pressure, Ring, Simulation
 from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
+from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.rows import grain_rows
 from anisogran.dem.stepping import body_of, kick_and_drift
 from anisogran.dem.walls import WallList, find_wall_contacts, wall_contact
@@ -53,6 +55,82 @@ def test_cosine_waits_for_its_beginning():
     for time, position, speed in ((4.0, 4.0, 0.0), (5.0, 4.0, 0.0), (6.0, 3.5, -math.pi / 4), (7.0, 3.0, 0.0), (9.0, 3.0, 0.0)):
         found = move(motion, 4.0, 0.0, 0.0, 1.0, 1.0, time, 0.1)
         assert found == (pytest.approx(position), pytest.approx(speed, abs=1e-15))
+
+
+def followed(path, times):
+    """Positions and speeds (n,) of a wall on that path."""
+    motion = path.parameters()
+    return np.array([move(motion, 0.0, 0.0, 0.0, 1.0, 1.0, time, 0.1) for time in times]).T
+
+
+def test_a_path_of_cubics_is_followed_exactly():
+    """Uneven points of z = t^3 - t with its speed; at rest outside."""
+    points = np.array([-1.0, -0.2, 0.5, 2.0])
+    path = Path(points, points**3 - points, 3 * points**2 - 1)
+    t = np.linspace(-0.99, 1.99, 41)
+    position, speed = followed(path, t)
+    np.testing.assert_allclose(position, t**3 - t, atol=1e-14)
+    np.testing.assert_allclose(speed, 3 * t**2 - 1, atol=1e-14)
+    np.testing.assert_array_equal(followed(path, [-5.0, -1.0, 2.0, 9.0]), [[0.0, 0.0, 6.0, 6.0], np.zeros(4)])
+    np.testing.assert_allclose(followed(Path([1.0, 3.0], [2.0, 8.0]), [1.5, 2.0]), [[3.5, 5.0], [3.0, 3.0]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(("given", "order"), [(False, 3), (True, 4)])
+def test_a_sampled_path_converges(given, order):
+    """The lecture's cosine from n points: position of the third order with differences, of the fourth with exact speeds, speed one less."""
+    t = np.linspace(0.0, 2.0, 1001)
+    exact = np.cos(0.5 * np.pi * t), -0.5 * np.pi * np.sin(0.5 * np.pi * t)
+    errors = []
+    for n in (40, 80, 160):
+        points = np.linspace(0.0, 2.0, n + 1)
+        speed = -0.5 * np.pi * np.sin(0.5 * np.pi * points) if given else None
+        found = followed(Path(points, np.cos(0.5 * np.pi * points), speed), t)
+        errors.append([np.abs(found[q] - exact[q]).max() for q in range(2)])
+    found_order = np.log2(errors[1] / np.array(errors[2]))
+    np.testing.assert_allclose(found_order, [order, order - 1], atol=0.1)  # 160 points: close to the limit of many
+
+
+def test_the_compiled_path_is_the_plain_one():
+    points = np.linspace(0.0, 2.0, 7)
+    motion = Path(points, np.sin(points)).parameters()
+    compiled = numba.njit(**OPTIONS)(lambda motion, time: move(motion, 0.0, 0.0, 0.0, 1.0, 1.0, time, 0.1))
+    times = np.append(np.linspace(-0.5, 2.5, 31), points)
+    # fused multiply-add differs in the last digits
+    np.testing.assert_allclose([compiled(motion, time) for time in times], followed(Path(points, np.sin(points)), times).T, atol=1e-14)
+
+
+def test_bad_paths_are_refused():
+    for arguments, message in [
+        (([0.0], [1.0]), "Path: time has 1 entries, at least 2 are needed"),
+        (([0.0, 1.0, 1.0], [1.0, 2.0, 3.0]), r"Path: time\[2\] = 1 s must be above time\[1\] = 1 s"),
+        (([0.0, 1.0], [1.0, np.nan]), r"Path: position\[1\] = nan is not finite"),
+        (([0.0, np.inf], [1.0, 1.0]), r"Path: time\[1\] = inf is not finite"),
+        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"Path: position has shape \(3,\), it must be \(2,\)"),
+        (([0.0, 1.0], [1.0, 2.0], [0.0]), r"Path: speed has shape \(1,\), it must be \(2,\)"),
+        (([[0.0, 1.0]], [1.0, 2.0]), r"Path: time has shape \(1, 2\), it must be \(n,\)"),
+        ((["a", "b"], [1.0, 2.0]), "Path: time is no array of numbers"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            Path(*arguments)
+
+
+def test_a_pressed_wall_without_contact_has_a_speed_limit():
+    """pressure * length / damping, however light the wall; with the force of the grains it goes the other way."""
+    state = Box(5.0, 7.0, right=Pressure(2.0, mass=1e-6, damping=4e3)).state()
+    for step in range(50):
+        advance(state, body([[1.0, 1.0]]), None, 1, 1.0, 1e-3 * step, 1e-3)
+    assert state.velocity[1] == pytest.approx(-2.0 * 7.0 / 4e3, rel=1e-9)
+
+
+def test_the_status_tells_how_far_a_wall_is_from_its_pressure():
+    grains = Grains([[0.5, 0.5]], [0.5], mass=[1.0])
+    box = Box(1.0, 1.0, right=Pressure(10.0, mass=1.0, damping=80.0))
+    sim = Simulation(grains, Linear(1e3, 20.0), boundary=box, drag=20.0, dt=1e-3)
+    assert "the right wall bears 0 of its pressure 10 N/m at present" in sim.status.reasons
+    sim.run(6000)
+    assert not any("bears" in reason for reason in sim.status.reasons)
+    sim.walls.force[1] = 10.11
+    assert "the right wall bears 1.01 of its pressure 10 N/m at present" in sim.status.reasons
 
 
 def test_outer_grains_press_on_their_ring():

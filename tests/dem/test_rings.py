@@ -104,6 +104,16 @@ def test_outer_grains_turn_and_breathe_with_their_ring():
         assert (grains.x[0], grains.y[0]) == (0.5, 0.0)
 
 
+def test_the_piston_bears_what_its_grains_bear():
+    """Force on the wall and radial force on the driven grains of the outer ring, by the length of the ring."""
+    ring = Ring(2.0, rim=Pressure(3.0, mass=1.0, damping=0.0), inner=1)
+    state, grains = ring.state(), body([[0.5, 0.0], [1.0, 0.0], [1.2, 1.6], [0.0, -2.0]])
+    state.force[0] = 5.0
+    grains.fx[:], grains.fy[:] = [9.0, 9.0, 3.0, 1.0], [9.0, 9.0, 4.0, -20.0]
+    assert ring.held(state, grains, 1) == [("outer ring", pytest.approx((5.0 + 5.0 + 20.0) / (4 * math.pi)), 3.0)]
+    assert Ring(2.0).held(Ring(2.0).state(), grains, 4) == []
+
+
 def test_the_rings_enclose_an_annulus():
     ring = Ring(3.0, inner_radius=1.0)
     assert ring.extent(ring.state()) == (None, pytest.approx(8 * math.pi))

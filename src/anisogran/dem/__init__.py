@@ -1,13 +1,12 @@
 """The grains: a compact discrete element method (DEM) for discs, compiled for exactly the effects of a scene."""
 
-from anisogran.dem.boundaries import Box, Cosine, Fixed, Open, Periodic, Pressure, Ring
+from anisogran.dem.boundaries import Box, Cosine, Fixed, Open, Path, Periodic, Pressure, Ring
 from anisogran.dem.grains import Grains
 from anisogran.dem.laws import NORMAL_LAWS, Friction, Linear, Luding
 from anisogran.dem.limits import collision_time, longest_step
 from anisogran.dem.simulation import Simulation
 
 __all__ = [
-    "NORMAL_LAWS", "Box", "Cosine", "Fixed", "Friction", "Grains", "Linear", "Luding", "Open", "Periodic", "Pressure", "Ring",
-    "Simulation", "collision_time",
-    "longest_step",
+    "NORMAL_LAWS", "Box", "Cosine", "Fixed", "Friction", "Grains", "Linear", "Luding", "Open", "Path", "Periodic", "Pressure", "Ring",
+    "Simulation", "collision_time", "longest_step",
 ]  # fmt: skip

@@ -21,6 +21,7 @@ STARTS = {
     OUTSIDE: "has its centre beyond a wall",
     CELL_TOO_SMALL: "is too large for the periodic cell, which must be wider and higher than four radii and two skins,",
 }
+HELD = 0.01  # the share by which the force on a pressed wall may be off
 START_OVERLAP = 0.2  # of the smaller radius; more of it would fly apart
 
 
@@ -91,6 +92,10 @@ def doubts(simulation):
     for pressure in simulation.boundary.pressures():
         if pressure > 1e-2 * effects["normal"].stiffest:
             reasons.append(f"the pressure {pressure:.3g} N/m is more than a hundredth of the stiffness: soft grains, large overlaps")
+    if hasattr(simulation.boundary, "held"):
+        for name, present, pressure in simulation.boundary.held(simulation.walls, simulation._state.body, simulation._state.movable):
+            if abs(present / pressure - 1) > HELD:
+                reasons.append(f"the {name} bears {present / pressure:.3g} of its pressure {pressure:.3g} N/m at present")
     if counters["deep_pairs"]:
         i, j = counters["deepest_pair"]
         reasons.append(

@@ -7,7 +7,7 @@ A new boundary is one new file and one line in each table.
 
 from anisogran.dem.boundaries import box, open, periodic, ring
 from anisogran.dem.boundaries.box import Box
-from anisogran.dem.boundaries.motion import Cosine, Fixed, Pressure
+from anisogran.dem.boundaries.motion import Cosine, Fixed, Path, Pressure
 from anisogran.dem.boundaries.open import Open
 from anisogran.dem.boundaries.periodic import Periodic
 from anisogran.dem.boundaries.ring import Ring
@@ -34,4 +34,6 @@ lattice = specialised({state: getattr(room, "lattice", _no_lattice) for state, r
 stress_sums = specialised({state: getattr(room, "stress_sums", _no_stress_sums) for state, room in _ROOMS.items()})
 settle = specialised({state: getattr(room, "settle", _nothing_to_settle) for state, room in _ROOMS.items()})
 
-__all__ = ["Box", "Cosine", "Fixed", "Open", "Periodic", "Pressure", "Ring", "advance", "lattice", "settle", "stress_sums", "touch"]
+__all__ = [
+    "Box", "Cosine", "Fixed", "Open", "Path", "Periodic", "Pressure", "Ring", "advance", "lattice", "settle", "stress_sums", "touch",
+]  # fmt: skip

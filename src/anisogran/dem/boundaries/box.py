@@ -8,7 +8,7 @@ import numpy as np
 from anisogran.dem.boundaries.motion import Fixed, move
 from anisogran.outcome import InputError, checked
 
-LEFT, RIGHT, BOTTOM, TOP = range(4)
+NAMES = ("left", "right", "bottom", "top")
 
 
 class BoxState(NamedTuple):
@@ -41,7 +41,7 @@ class Box:
         checked("Box", "height", self.height, above=0, unit="m")
         for name in ("left", "right", "bottom", "top"):
             if not hasattr(getattr(self, name), "parameters"):
-                raise InputError(f"Box: {name} = {getattr(self, name)!r} is no motion (Fixed, Cosine, Pressure)")
+                raise InputError(f"Box: {name} = {getattr(self, name)!r} is no motion (Fixed, Cosine, Path, Pressure)")
 
     def state(self):
         position = np.array([0.0, self.width, 0.0, self.height])
@@ -51,6 +51,17 @@ class Box:
     def pressures(self):
         """The pressures that it holds, in N/m."""
         return tuple(m.pressure for m in (self.left, self.right, self.bottom, self.top) if hasattr(m, "pressure"))
+
+    def held(self, state, body, movable):
+        """(name, present pressure, pressure it should have) of each wall under a pressure, N/m."""
+        left, right, bottom, top = state.position
+        length = (top - bottom, top - bottom, right - left, right - left)
+        motions = enumerate((self.left, self.right, self.bottom, self.top))
+        return [
+            (f"{NAMES[wall]} wall", float(state.force[wall] / length[wall]), motion.pressure)
+            for wall, motion in motions
+            if hasattr(motion, "pressure")
+        ]
 
     def extent(self, state):
         """Lattice vectors (none) and the present area of the box."""

@@ -55,7 +55,7 @@ class Ring:
         if self.inner_radius is not None:
             checked("Ring", "inner_radius", self.inner_radius, above=0, below=self.radius, unit="m")
         if not hasattr(self.rim, "parameters"):
-            raise InputError(f"Ring: rim = {self.rim!r} is no motion (Fixed, Cosine, Pressure)")
+            raise InputError(f"Ring: rim = {self.rim!r} is no motion (Fixed, Cosine, Path, Pressure)")
 
     @property
     def walls(self):
@@ -71,6 +71,11 @@ class Ring:
     def pressures(self):
         """The pressures that it holds, in N/m."""
         return (self.rim.pressure,) if hasattr(self.rim, "pressure") else ()
+
+    def held(self, state, body, movable):
+        """(name, present pressure, pressure it should have) of each wall under a pressure, N/m."""
+        length = 2 * math.pi * state.position[0]
+        return [("outer ring", float(thrust(state, body, movable) / length), pressure) for pressure in self.pressures()]
 
     def extent(self, state):
         """Lattice vectors (none) and the present area within the outer ring, less that of an inner wall."""
