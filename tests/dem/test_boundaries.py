@@ -6,8 +6,9 @@ from dataclasses import replace
 import numba
 import numpy as np
 import pytest
+from crowds import FRICTION, LAW, crowd, state
 
-from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Path, Periodic, Pressure, Ring, Simulation
+from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Open, Path, Periodic, Pressure, Ring, Simulation
 from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
 from anisogran.dem.kernel import OPTIONS
@@ -26,7 +27,7 @@ def body(position, velocity=0.0, radius=0.5, mass=1.0):
 
 
 def test_every_wall_of_a_box_pushes_inwards():
-    state = Box(4.0, 3.0).state()
+    state = Box(4.0, 3.0, sliding=(5.0, 6.0, 7.0, 8.0)).state()
     state.velocity[:] = [1.0, 2.0, 3.0, 4.0]
     place = {0: (0.4, 1.5), 1: (3.6, 1.5), 2: (2.0, 0.4), 3: (2.0, 2.6)}
     normal = {0: (-1, 0), 1: (1, 0), 2: (0, -1), 3: (0, 1)}
@@ -34,7 +35,7 @@ def test_every_wall_of_a_box_pushes_inwards():
         overlap, nx, ny, vx, vy = touch(state, wall, *place[wall], 0.5)
         assert overlap == pytest.approx(0.1)
         assert (nx, ny) == normal[wall]
-        assert (vx, vy) == ((wall + 1.0, 0.0) if wall < 2 else (0.0, wall + 1.0))
+        assert (vx, vy) == ((wall + 1.0, wall + 5.0) if wall < 2 else (wall + 5.0, wall + 1.0))
 
 
 def test_every_pressed_wall_of_a_box_yields_outwards():
@@ -42,7 +43,7 @@ def test_every_pressed_wall_of_a_box_yields_outwards():
     wall, dt = Pressure(2.0, mass=4.0, damping=3.0), 0.1
     state = Box(5.0, 7.0, left=wall, right=wall, bottom=wall, top=wall).state()
     state.force[:] = [15.0, 16.0, 17.0, 18.0]  # outward; 14 and 10 would balance
-    way = advance(state, None, None, 0, 1.0, dt, dt)
+    way = advance(state, body([[1.0, 1.0]]), None, 1, 1.0, dt, dt)
     speed = dt * (state.force - 2.0 * np.array([7.0, 7.0, 5.0, 5.0])) / 4.0 / (1 + dt * 3.0 / 4.0)
     sense = np.array([-1.0, 1.0, -1.0, 1.0])
     np.testing.assert_allclose(state.velocity, sense * speed, rtol=1e-14)
@@ -168,6 +169,96 @@ def test_the_offset_of_the_sheared_cell_stays_within_its_width():
         advance(state, body([[1.0, 1.0]]), None, 1, 1.0, 0.0, 0.1)
     assert state.lattice[2] == pytest.approx(0.5)  # 30 * 0.1 * 0.5 * 3.0 = 4.5
     assert state.lattice[3] == pytest.approx(1.5)
+
+
+def test_glued_grains_ride_on_their_walls():
+    """One grain on the left, two on the right, none below, one above: position, velocity, no spin; what presses on them moves the wall."""
+    dt, wall = 0.1, Pressure(2.0, mass=4.0, damping=3.0)
+    sliding = (5.0, 6.0, 7.0, 8.0)
+    box = Box(5.0, 7.0, left=wall, right=wall, bottom=wall, top=wall, sliding=sliding, glued=(1, 2, 0, 1))
+    state, start = box.state(), [[1.0, 1.0], [0.0, 2.0], [5.0, 3.0], [5.0, 4.0], [2.0, 7.0]]
+    grains, spin = body(start), np.full(5, 9.0)
+    state.force[:] = [1.0, 2.0, 3.0, 4.0]
+    grains.fx[:], grains.fy[:] = [99.0, -20.0, 15.0, 16.0, 98.0], [99.0, 98.0, 97.0, 96.0, 25.0]
+    force = np.array([1.0 + 20.0, 2.0 + 31.0, 3.0, 4.0 + 25.0])
+    held = [("left wall", 21 / 7, 2.0), ("right wall", 33 / 7, 2.0), ("bottom wall", 3 / 5, 2.0), ("top wall", 29 / 5, 2.0)]
+    assert box.held(state, grains, 1) == [(name, pytest.approx(present), pressure) for name, present, pressure in held]
+    advance(state, grains, spin, 1, 1.0, dt, dt)
+    speed = [-1.0, 1.0, -1.0, 1.0] * (dt * (force - 2.0 * np.array([7.0, 7.0, 5.0, 5.0])) / 4.0 / (1 + dt * 3.0 / 4.0))
+    np.testing.assert_allclose(state.velocity, speed, rtol=1e-14)
+    velocity = np.array([[0.0, 0.0], [speed[0], 5.0], [speed[1], 6.0], [speed[1], 6.0], [8.0, speed[3]]])
+    np.testing.assert_allclose(np.stack([grains.vx, grains.vy], axis=1), velocity, rtol=1e-14)
+    np.testing.assert_allclose(np.stack([grains.x, grains.y], axis=1), start + dt * velocity, rtol=1e-14)
+    assert spin.tolist() == [9.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_driven_grains_of_no_wall_keep_their_velocity():
+    """In a box and in free space; nothing that presses on them counts, and their spin stays."""
+    for boundary in (Box(5.0, 7.0), Open()):
+        grains, spin = body([[1.0, 1.0], [2.0, 3.0]], [[9.0, 9.0], [0.5, -0.25]]), np.full(2, 9.0)
+        grains.fx[:], grains.fy[:] = 77.0, 77.0
+        for _ in range(8):
+            assert advance(boundary.state(), grains, spin, 1, 1.0, 0.0, 0.25) == 0.0
+        np.testing.assert_array_equal(np.stack([grains.x, grains.y], axis=1), [[1.0, 1.0], [3.0, 2.5]])
+        assert (grains.vx[1], grains.vy[1], spin[1]) == (0.5, -0.25, 9.0)
+
+
+def test_a_driven_grain_hits_like_an_infinite_mass():
+    """Elastic impact of a driven grain on one at rest: that one flies off at twice the speed, the driven one goes on as before."""
+    grains = Grains([[3.0, 0.0], [0.0, 0.0]], [0.5, 0.5], mass=[1.0, 1.0], velocity=[[0.0, 0.0], [0.5, 0.0]], driven=1)
+    sim = Simulation(grains, Linear(1e3), dt=1e-3)
+    sim.run(6000)
+    # the error of a binary contact falls with the third power of the step; this step is t_c/140
+    assert sim.velocity[0, 0] == pytest.approx(1.0, abs=1e-4)
+    np.testing.assert_allclose(sim.position[1], [3.0, 0.0], atol=1e-12)
+    assert sim.velocity[1].tolist() == [0.5, 0.0]
+
+
+def test_a_run_with_rough_sliding_walls_can_be_split(rng):
+    """Bit for bit, with glued grains on a pressed and on a sliding wall; the wall moves its grains exactly."""
+    loose, side = crowd(rng)
+    column = np.stack([np.full(7, side), np.linspace(0.1, 0.9, 7) * side], axis=1)
+    row = np.stack([np.linspace(-0.5, 1.0, 12) * side, np.zeros(12)], axis=1)
+    clear = loose.position[:, 1] > 1e-3 + loose.radius  # of the row
+    clear &= loose.position[:, 0] < side - 1e-3 - loose.radius
+    position, radius = loose.position[clear], loose.radius[clear]
+    grains = Grains(
+        np.concatenate([position, column, row]), np.append(radius, np.full(19, 1e-3)), driven=19,
+        velocity=np.concatenate([loose.velocity[clear], np.zeros((19, 2))]),
+    )  # fmt: skip
+    box = Box(side, side, right=Pressure(50.0, 1e-4, 0.5), top=Cosine(side, 0.8 * side, 0.02), sliding=(0, 0, 0.3, 0), glued=(0, 7, 12, 0))
+    runs = []
+    for pieces in ([2000], [1, 336, 7, 10, 646, 1000]):
+        sim = Simulation(grains, LAW, friction=FRICTION, boundary=box)
+        for steps in pieces:
+            sim.run(steps)
+        runs.append(sim)
+    assert runs[0].counters == runs[1].counters
+    np.testing.assert_array_equal(state(runs[0]), state(runs[1]))
+    n, right = len(position), float(sim.walls.position[1])
+    assert abs(right - side) > 1e-4
+    # 2000 additions, each rounded by up to 2e-18 m at places of 0.02 m
+    np.testing.assert_allclose(sim.position[n : n + 7], np.stack([np.full(7, right), column[:, 1]], axis=1), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(sim.position[n + 7 :] - row, np.full((12, 2), [0.3 * sim.time, 0.0]), rtol=0, atol=1e-14)
+    assert sim.velocity[:n, 0].max() > 0.0
+    assert sim.counters["late_builds"] == 0
+
+
+def test_boxes_whose_glued_grains_do_not_add_up_are_refused():
+    grains = Grains([[1.0, 1.0], [0.0, 2.0]], [0.5, 0.5], driven=1)
+    for make, message in [
+        (
+            lambda: Simulation(grains, Linear(1e3), boundary=Box(4.0, 4.0, glued=(1, 1, 0, 0))),
+            "glued = 2 grains in all, but driven = 1 are",
+        ),
+        (lambda: Box(4.0, 4.0, glued=(1, 1)), r"Box: glued = \(1, 1\) must have four entries, for left, right, bottom, top"),
+        (lambda: Box(4.0, 4.0, glued=(0, 1.5, 0, 0)), r"Box: glued \(right\) = 1.5 must be a whole number of grains"),
+        (lambda: Box(4.0, 4.0, glued=(0, 0, -1, 0)), r"Box: glued \(bottom\) = -1 must be at least 0"),
+        (lambda: Box(4.0, 4.0, sliding=(0, 0, 0, math.nan)), r"Box: sliding \(top\) = nan must be a finite number"),
+        (lambda: Box(4.0, 4.0, sliding=1.0), "Box: sliding = 1.0 must have four entries"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            make()
 
 
 def test_friction_at_a_wall():

@@ -76,6 +76,9 @@ def check_effects(grains, normal, friction, rolling, wall_friction, boundary):
         raise InputError(f"Simulation: boundary = {boundary!r} must be one of Open, Box, Ring, Periodic")
     if grains.driven and hasattr(boundary, "stretch_rate"):
         raise InputError(f"Simulation: driven = {grains.driven}: a periodic cell deforms, and driven grains have no place in it")
+    glued = int(sum(getattr(boundary, "glued", ())))
+    if glued and glued != grains.driven:
+        raise InputError(f"Simulation: the box has glued = {glued} grains in all, but driven = {grains.driven} are given")
     if getattr(boundary, "inner", 0) > grains.driven:
         raise InputError(f"Simulation: the ring has inner = {boundary.inner} driven grains, but only {grains.driven} are given")
 

@@ -30,7 +30,7 @@ class Simulation:
     wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, or None; `skin` in m is
     the reserve of the neighbour list; `ledger` asks for the book of energies, see `energy`. An absent effect is not compiled and holds no
     memory.
-    Driven grains keep the velocity and the spin they are given, unless their boundary (Ring) moves them.
+    Driven grains move on with the velocity and the spin they are given, unless they belong to a ring or are glued to a wall of the box.
     Raises InputError before the first step for anything that cannot be simulated.
     """
 

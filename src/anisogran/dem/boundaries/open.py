@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from anisogran.dem.boundaries.driven import coast
+
 
 class OpenState(NamedTuple):
     """A kernel needs a type."""
@@ -12,7 +14,7 @@ class OpenState(NamedTuple):
 
 @dataclass(frozen=True)
 class Open:
-    """Grains in free space."""
+    """Grains in free space; driven ones move on with the velocity they are given."""
 
     walls = 0
 
@@ -29,5 +31,6 @@ class Open:
 
 
 def advance(boundary, body, spin, movable, reach, time, dt):
-    """Nothing moves."""
+    """Moves the driven grains; there is no wall to move."""
+    coast(body, movable, body.x.size, dt)
     return 0.0
