@@ -2,11 +2,18 @@
 
 import numpy as np
 
-from anisogran.dem import Friction, Grains, Luding
+from anisogran.dem import Friction, Grains, Linear, Luding
 from anisogran.dem.packing import random_positions, uniform_radii
 
 LAW = Luding(5e4, 1e5, 2e4, 0.1)
 FRICTION = Friction(2e4, 0.5)
+
+K = 1e4
+EVERY_LAW = {  # for the general tests; every kernel of every law
+    "linear": Linear(K, 10.0),
+    "luding": Luding(K / 2, K, K / 4, 10.0),
+    "growing luding": Luding(K / 2, K, K / 4, 10.0, plastic_depth=0.01),  # elastic beyond an overlap of 0.02 size
+}
 
 
 def crowd(rng, count=60, fraction=0.5, size_ratio=3.0, origin=0.0):

@@ -44,8 +44,14 @@ def force(law, overlap, rate, largest, size):
 
     `rate` is the speed of separation. The Coulomb reference is the whole normal force, dashpot included.
     """
-    total = law.stiffness * overlap - law.damping * rate
+    elastic = max(law.stiffness * overlap, 0.0)  # rounded by itself, not fused with the dashpot: the bits of Luding's law with k1 = k2
+    total = elastic - law.damping * rate
     return total, abs(total), largest
+
+
+def reloading_line(law, largest, size):
+    """The line of un- and reloading, here the whole law: its stiffness in N/m, overlap of zero force, and overlap at which it ends."""
+    return law.stiffness, 0.0, 0.0
 
 
 def stored_energy(law, overlap, largest, size):

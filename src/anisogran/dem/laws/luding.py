@@ -1,11 +1,15 @@
 """Luding's hysteretic contact: plastic loading k1, elastic un- and reloading k2, adhesive limit -kc.
 
 With the largest overlap d_max: f = k1 d while loading; f = k2 (d - d_0) while un- or reloading, d_0 = (1 - k1/k2) d_max; f = -kc d at the
-adhesive limit, met at d_min = (k2 - k1)/(k2 + kc) d_max. Unloading along the limit lowers d_max to d (k2 + kc)/(k2 - k1), so that a
-reloading starts from where the contact is; without this the force would jump back to the old branch and create energy.
-Luding, Granular Matter 10, 235 (2008); Singh, Magnanimo & Luding (2013) for the lowering of d_max.
+adhesive limit, met at d_min = (k2 - k1)/(k2 + kc) d_max. Unloading along the limit lowers d_max so that the reloading line passes through
+where the contact is; without this the force would jump back to the old line and create energy.
+
+With a plastic depth the stiffness grows with the damage done: k1 + (k2 - k1) d_max/d_p up to d_p = k2/(k2 - k1) depth size, where
+size = 2 a1 a2/(a1 + a2); d_max is not remembered beyond d_p, so that a deeper contact loads and unloads elastically on the line of k2.
+Luding, Granular Matter 10, 235 (2008); Singh, Magnanimo & Luding (2013) for the lowering of d_max, here for the growing stiffness too.
 """
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -22,14 +26,30 @@ class LudingParameters(NamedTuple):
     reset: float
 
 
+class GrowingLudingParameters(NamedTuple):
+    """What the kernel is compiled for where the stiffness grows; lengths as shares of the size of the contact."""
+
+    k1: float
+    kc: float
+    damping: float
+    plastic: float  # d_p/size, beyond which the contact is elastic
+    growth: float  # N/m: size times the growth of stiffness with d_max
+    reset: float  # 4 (k1 + kc)/growth
+
+
 @dataclass(frozen=True)
 class Luding:
-    """Hysteretic normal contact: 0 < k1 <= k2 and kc >= 0 in N/m, damping >= 0 in kg/s. Raises InputError for values out of bounds."""
+    """Hysteretic normal contact: 0 < k1 <= k2 and kc >= 0 in N/m, damping >= 0 in kg/s. Raises InputError for values out of bounds.
+
+    plastic_depth > 0: the overlap at zero force, as a share of the harmonic mean of the radii, of a contact that has just reached its
+    limit stiffness k2, to which the unloading stiffness grows from k1. None: the unloading stiffness is k2 from the beginning.
+    """
 
     k1: float
     k2: float
     kc: float = 0.0
     damping: float = 0.0
+    plastic_depth: float | None = None
     remembers: ClassVar[bool] = True  # the law needs the largest overlap of each contact
 
     def __post_init__(self):
@@ -37,6 +57,8 @@ class Luding:
         checked("Luding", "k2", self.k2, at_least=self.k1, unit="N/m (= k1)")
         checked("Luding", "kc", self.kc, at_least=0, unit="N/m")
         checked("Luding", "damping", self.damping, at_least=0, unit="kg/s")
+        if self.plastic_depth is not None:
+            checked("Luding", "plastic_depth", self.plastic_depth, above=0)
 
     @property
     def stiffest(self):
@@ -44,11 +66,15 @@ class Luding:
         return float(max(self.k2, self.kc))
 
     def parameters(self):
-        """The floats for the kernel."""
-        k1, k2, kc = float(self.k1), float(self.k2), float(self.kc)
-        # with k1 = k2 there is no plastic branch: the limit is never met on unloading, and the factor is never used
-        reset = (k2 + kc) / (k2 - k1) if k2 > k1 else 0.0
-        return LudingParameters(k1, k2, kc, float(self.damping), reset)
+        """The floats for the kernel. With k1 = k2 there is no plastic branch, and no stiffness that could grow."""
+        k1, k2, kc, damping = float(self.k1), float(self.k2), float(self.kc), float(self.damping)
+        if k2 == k1:
+            return LudingParameters(k1, k2, kc, damping, 0.0)  # the limit is never met on unloading
+        if self.plastic_depth is None:
+            return LudingParameters(k1, k2, kc, damping, (k2 + kc) / (k2 - k1))
+        plastic = k2 / (k2 - k1) * float(self.plastic_depth)
+        growth = (k2 - k1) / plastic
+        return GrowingLudingParameters(k1, kc, damping, plastic, growth, 4.0 * (k1 + kc) / growth)
 
 
 def force(law, overlap, rate, largest, size):
@@ -65,6 +91,36 @@ def force(law, overlap, rate, largest, size):
     return total, abs(total - limit), largest
 
 
+def growing_force(law, overlap, rate, largest, size):
+    """As `force`, with a stiffness of un- and reloading that grows with the largest overlap.
+
+    At the adhesive limit the new largest overlap m solves k(m) d - (k(m) - k1) m = -kc d with k(m) = k1 + g m, a quadratic equation; it
+    is below d_p by itself, since at d_p the limit is met at just d_min. Open pairs come here too: no root of a negative number.
+    """
+    slope = law.growth / size
+    largest = min(max(largest, overlap), law.plastic * size)
+    limit = -law.kc * overlap
+    elastic = (law.k1 + slope * largest) * overlap - slope * largest * largest
+    closed = max(overlap, 0.0)
+    lowered = 0.5 * (closed + math.sqrt(closed * (closed + law.reset * size)))
+    largest = lowered if elastic < limit else largest
+    total = max(elastic, limit) - law.damping * rate
+    return total, abs(total - limit), largest
+
+
+def reloading_line(law, largest, size):
+    """The line of un- and reloading: its stiffness in N/m, overlap d_0 of zero force, and overlap d_min where it meets the limit."""
+    return law.k2, (1.0 - law.k1 / law.k2) * largest, (law.k2 - law.k1) / (law.k2 + law.kc) * largest
+
+
+def growing_reloading_line(law, largest, size):
+    """As `reloading_line`, with the stiffness that has grown up to `largest`."""
+    remembered = min(largest, law.plastic * size)
+    grown = law.growth / size * remembered
+    k2 = law.k1 + grown
+    return k2, grown / k2 * remembered, grown / (k2 + law.kc) * remembered
+
+
 def stored_energy(law, overlap, largest, size):
     """Energy in J that a closed contact can give back along its un- and reloading line, in compression or tension.
 
@@ -72,3 +128,11 @@ def stored_energy(law, overlap, largest, size):
     """
     elastic = law.k2 * overlap - (law.k2 - law.k1) * largest
     return 0.5 * elastic * elastic / law.k2
+
+
+def growing_stored_energy(law, overlap, largest, size):
+    """As `stored_energy`, with the stiffness that has grown up to `largest`."""
+    slope = law.growth / size
+    k2 = law.k1 + slope * largest
+    elastic = k2 * overlap - slope * largest * largest
+    return 0.5 * elastic * elastic / k2
