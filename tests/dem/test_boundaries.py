@@ -12,7 +12,7 @@ from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Open, P
 from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
 from anisogran.dem.kernel import OPTIONS
-from anisogran.dem.rows import grain_rows
+from anisogran.dem.rows import INVERSE_MASS, grain_rows
 from anisogran.dem.stepping import body_of, kick_and_drift
 from anisogran.dem.walls import WallList, find_wall_contacts, wall_contact
 from anisogran.outcome import InputError, RunFailed
@@ -329,6 +329,21 @@ def test_a_collapsing_cell_stops_at_its_pressure():
     # force balance of a column in series; the relaxation has long ended
     assert sim.walls.lattice[1] == pytest.approx(4 * (1 - pressure * width / k), rel=1e-9)
     assert sim.counters["late_builds"] == 0
+
+
+def test_agitation_holds_a_cell_open():
+    """Grains that never touch: the sides relax to sum m c^2 / (pressure * other side), whatever the mean velocity and the shear flow."""
+    for axis, shear_rate in ((0, 0.5), (1, 0.0)):
+        pressure, c = 0.045, np.array([0.6, -0.3])
+        pressures = (pressure, None) if axis == 0 else (None, pressure)
+        state = Periodic(4.0, 4.0, shear_rate=shear_rate, pressure=pressures, viscosity=pressure).state()
+        grains = body([[1.0, 1.0], [3.0, 2.0]])
+        grains.rows[:, INVERSE_MASS] = [1.0, 0.5]
+        grains.vx[:], grains.vy[:] = 0.7 + shear_rate * grains.y, -0.2
+        (grains.vx, grains.vy)[axis][:] += c  # its momentum is zero
+        for _ in range(400):
+            advance(state, grains, None, 2, 1.0, 0.0, 0.1)
+        assert state.lattice[axis] == pytest.approx((0.36 + 2 * 0.09) / (pressure * 4.0), rel=1e-9)  # e^-40 of the way is left
 
 
 def test_affine_motion_alone_hardly_wears_the_list():

@@ -3,7 +3,8 @@
 Velocities are those seen from the laboratory: an image has the velocity of its original plus that of the lattice vector between them.
 `stretch_rate` = d(ln width)/dt, d(ln height)/dt prescribes the sides; opposite rates are pure shear. A side with a `pressure` follows its
 normal stress, d(ln side)/dt = (sigma - pressure) / viscosity, which relaxes without ringing; there the grains are carried along affinely,
-and dashpots do not feel it, so that no damping of the contacts can upset the control.
+and dashpots do not feel it, so that no damping of the contacts can upset the control. sigma is the stress of the contacts and of the
+agitation, sum m c^2 / area with the velocities c relative to the shear flow and to the mean.
 """
 
 import math
@@ -13,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.dem.kernel import kernel
+from anisogran.dem.rows import INVERSE_MASS
 from anisogran.outcome import InputError, checked
 
 NONE = -1.0  # stands for "no pressure" in the kernel: a pressure is positive
@@ -150,18 +152,35 @@ def settle(boundary, body):
 
 
 @kernel
-def pressed(virial, box, body, pressure_x, pressure_y, viscosity, dt):
+def agitation(body, velocity, rate, place):
+    """Sum of m c^2 in N m over all grains, c = velocity - rate * place less its mean by mass."""
+    mass = 0.0
+    momentum = 0.0
+    twice_energy = 0.0
+    for i in range(velocity.size):
+        m = 1.0 / body.rows[i, INVERSE_MASS]
+        c = velocity[i] - rate * place[i]
+        mass += m
+        momentum += m * c
+        twice_energy += m * c * c
+    return twice_energy - momentum * momentum / mass
+
+
+@kernel
+def pressed(virial, box, body, shear_rate, pressure_x, pressure_y, viscosity, dt):
     """Ratios of the sides after a step under pressure, 1 for a side without one; the grains are carried along."""
     stretch_x = 1.0
     stretch_y = 1.0
     if virial is not None:
         area = box[0] * box[1]
         if pressure_x > 0.0:
-            stretch_x += dt * (virial[0] / area - pressure_x) / viscosity
+            stress = (virial[0] + agitation(body, body.vx, shear_rate, body.y)) / area
+            stretch_x += dt * (stress - pressure_x) / viscosity
             for i in range(body.x.size):
                 body.x[i] *= stretch_x
         if pressure_y > 0.0:
-            stretch_y += dt * (virial[1] / area - pressure_y) / viscosity
+            stress = (virial[1] + agitation(body, body.vy, 0.0, body.x)) / area
+            stretch_y += dt * (stress - pressure_y) / viscosity
             for i in range(body.y.size):
                 body.y[i] *= stretch_y
     return stretch_x, stretch_y
@@ -170,7 +189,9 @@ def pressed(virial, box, body, pressure_x, pressure_y, viscosity, dt):
 def advance(boundary, body, spin, movable, reach, time, dt):
     """Slides the image above and changes the sides; two grains `reach` apart approach affinely by the result."""
     box = boundary.lattice
-    stretch_x, stretch_y = pressed(boundary.virial, box, body, boundary.pressure_x, boundary.pressure_y, boundary.viscosity, dt)
+    stretch_x, stretch_y = pressed(
+        boundary.virial, box, body, boundary.shear_rate, boundary.pressure_x, boundary.pressure_y, boundary.viscosity, dt
+    )
     box[6] = stretch_x - 1.0
     box[7] = stretch_y - 1.0
     stretch_x *= math.exp(dt * boundary.stretch_rate_x)
