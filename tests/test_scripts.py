@@ -32,6 +32,15 @@ def test_biaxial_evolution(tmp_path, capsys):
     assert fits["s_D"].values["beta"] > fits["anisotropy"].values["beta"] > 0  # structure lags behind stress
 
 
+def test_contact_law(tmp_path, capsys):
+    adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
+    assert (tmp_path / "law.png").stat().st_size > 10_000
+    for ratio, path in adhesive.items():  # f_min of the lecture: -(1 - k1/k2)/(1 + k2/kc) k2 delta_max
+        assert path.f_min == pytest.approx(-0.5 * ratio / (1 + ratio), rel=1e-12)
+    assert [path.stiffness for path in growing.values()] == pytest.approx([6.25e4, 7.5e4, 8.75e4, 1e5, 1e5])
+    assert "kc/k2 = 4     10.000      5.000      1.000    -0.4000" in capsys.readouterr().out
+
+
 def test_accuracy_cost(tmp_path, capsys):
     tables = script(ROOT / "data_generation" / "accuracy_cost.py").main([str(tmp_path / "cost.h5"), "--quick"])
     steps, elements = tables["steps_per_collision"], tables["elements"]

@@ -17,6 +17,7 @@ _NAMES = {
     "Linear": "dem",
     "Luding": "dem",
     "Friction": "dem",
+    "contact_path": "dem",
     "Snapshot": "snapshot",
     "average": "averaging",
     "RingFlow": "continuum",

@@ -1,6 +1,7 @@
 """The grains: a compact discrete element method (DEM) for discs, compiled for exactly the effects of a scene."""
 
 from anisogran.dem.boundaries import Box, Cosine, Fixed, Open, Path, Periodic, Pressure, Ring
+from anisogran.dem.contact_path import contact_path
 from anisogran.dem.grains import Grains
 from anisogran.dem.laws import NORMAL_LAWS, Friction, Linear, Luding
 from anisogran.dem.limits import collision_time, longest_step
@@ -8,5 +9,5 @@ from anisogran.dem.simulation import Simulation
 
 __all__ = [
     "NORMAL_LAWS", "Box", "Cosine", "Fixed", "Friction", "Grains", "Linear", "Luding", "Open", "Path", "Periodic", "Pressure", "Ring",
-    "Simulation", "collision_time", "longest_step",
+    "Simulation", "collision_time", "contact_path", "longest_step",
 ]  # fmt: skip
