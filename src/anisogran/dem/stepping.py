@@ -213,6 +213,9 @@ def run_steps(
     code = DONE
     for _ in range(steps):
         if counters.step[0] % CHECK_EVERY == 0:
+            # no kick may be owed when the list is judged and the grains are wrapped, or a split run would do so by other velocities
+            kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)
+            owed = 0.0
             way, speed, counters.grain[0] = farthest_move(body, lattice(boundary))
             approach = 2.0 * way + counters.travel[0]
             counters.travel[2] = max(counters.travel[2], speed * dt)
@@ -221,9 +224,6 @@ def run_steps(
             elif max(speed * dt, counters.travel[1]) > step_limit:
                 code = TOO_FAST
             elif approach + CHECK_EVERY * (2.0 * speed * dt + counters.travel[1]) > 0.95 * skin:
-                # in a periodic cell the grains are wrapped now: no kick may be owed, or a split run would round differently
-                kick_and_drift(body.rows, body.forces, spin, gravity, drag, movable, owed, 0.0, 0.0)
-                owed = 0.0
                 code = rebuild(body, pairs, wall_list, memory, boundary, movable, skin, ledger, counters)
                 counters.late[0] += code in (DONE, LIST_FULL) and approach > skin
             elif counters.step[0] % DEEP_EVERY == 0:
