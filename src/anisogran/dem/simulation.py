@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 
 from anisogran.dem.boundaries import Open
+from anisogran.dem.checkpoint import checkpoints, loaded, save
 from anisogran.dem.contacts import contact_table
 from anisogran.dem.forces import Memory, add_all_forces
 from anisogran.dem.grains import Grains
+from anisogran.dem.interrupts import interrupts_deferred
 from anisogran.dem.ledger import BOUNDARY, SUMS, stored_in_contacts
 from anisogran.dem.limits import CAUSES, START_OVERLAP, STARTS, check_effects, doubts, gravity_vector, longest_step
 from anisogran.dem.neighbours import PairList, empty_pair_list
@@ -31,12 +33,13 @@ class Simulation:
     the reserve of the neighbour list; `ledger` asks for the book of energies, see `energy`. An absent effect is not compiled and holds no
     memory.
     Driven grains move on with the velocity and the spin they are given, unless they belong to a ring or are glued to a wall of the box.
+    `predecessor` and `restored` are given by `next_stage` and `load`.
     Raises InputError before the first step for anything that cannot be simulated.
     """
 
     def __init__(
         self, grains, normal, friction=None, rolling=None, gravity=None, boundary=None, dt=None, *,
-        wall_friction=None, drag=None, skin=None, allow_coarse_dt=False, ledger=False, predecessor=None,
+        wall_friction=None, drag=None, skin=None, allow_coarse_dt=False, ledger=False, predecessor=None, restored=None,
     ):  # fmt: skip
         if not isinstance(grains, Grains):
             raise InputError(f"Simulation: grains = {grains!r} must be a dem.Grains record")
@@ -53,6 +56,7 @@ class Simulation:
             "normal": normal, "friction": friction, "rolling": rolling, "gravity": gravity, "wall_friction": wall_friction, "drag": drag,
         }  # fmt: skip
         self.unbalanced_force = None
+        self.failure = None  # the sentence with which a run has stopped
 
         n, walls = len(grains), boundary.walls
         movable = n - grains.driven
@@ -60,7 +64,7 @@ class Simulation:
         order = memory_order(grains.position, movable, reach)
         body = body_of(grain_rows(grains, order))
         rotates = friction is not None or (wall_friction is not None and walls > 0)
-        pairs = empty_pair_list(n, 6 * n + 64)
+        pairs = empty_pair_list(n, 6 * n + 64 if restored is None else restored.capacity)
         capacity = pairs.first.size
         state = boundary.state()
         self._state = SimpleNamespace(
@@ -86,7 +90,10 @@ class Simulation:
             out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None),
             counters=Counters.zero(),
         )
-        self._chunk = 100  # steps in one compiled call; adapted to the speed
+        self._chunk = 1  # steps in one compiled call; adapted to the speed
+        if restored is not None:
+            restored.fill(self)
+            return
         if predecessor is not None:
             self._inherit(predecessor)
         self._build(start=predecessor is None)
@@ -168,29 +175,66 @@ class Simulation:
             i = int(self._state.order[self._state.counters.grain[0]])
             (x, y), (u, v) = self.position[i], self.velocity[i]
             place = f"x = ({x:.6g}, {y:.6g}) m, v = ({u:.3g}, {v:.3g}) m/s"
-            raise RunFailed(f"stopped at step {self.step} (t = {self.time:.6g} s) at grain {i}, {place}: {CAUSES[code]}")
+            self.failure = f"stopped at step {self.step} (t = {self.time:.6g} s) at grain {i}, {place}: {CAUSES[code]}"
+            raise RunFailed(self.failure)
 
-    def run(self, steps):
+    def run(self, steps, checkpoint=None, every=10.0, on_checkpoint_error="raise"):
         """Advances by a whole number of steps. Raises RunFailed naming step, grain and likely cause, InputError for a part of a step.
 
-        The compiled loop comes back at least about twice a second, so that an interrupt is heard.
+        The compiled loop comes back several times a second, so that an interrupt is heard; it always finds whole steps. With
+        `checkpoint`, a path, the simulation is saved there every `every` seconds of wall-clock time and at the end; an interrupt then
+        raises Interrupted, after saving. If a checkpoint cannot be written, that is raised, or, with on_checkpoint_error="continue",
+        warned about. No bit of the result depends on checkpoints. A run that has failed leaves its state in <checkpoint>.failed and
+        cannot go on.
         """
         if checked("Simulation.run", "steps", steps, at_least=0) != int(steps):
             raise InputError(f"Simulation.run: steps = {steps} must be a whole number; dt is {self.dt:g} s")
-        s = self._state
+        if self.failure is not None:
+            raise RunFailed(self.failure)
         end = self.step + int(steps)
-        while self.step < end:
-            begin, clock = self.step, time.perf_counter()
-            code = run_steps(
-                s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.gravity, s.drag,
-                s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.ledger, s.out, s.counters, self.dt, min(self._chunk, end - begin),
-            )  # fmt: skip
-            if code == LIST_FULL:
-                self._make_room()
-                continue
-            self._raise_unless_done(code)
-            seconds = time.perf_counter() - clock
-            self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.4 / seconds)))
+        with checkpoints(self, checkpoint, every, on_checkpoint_error) as keep_if_due:
+            while self.step < end:
+                with interrupts_deferred():
+                    self._advance(min(self._chunk, end - self.step))
+                keep_if_due()
+
+    def _advance(self, steps):
+        """One call of the compiled loop; what it says is heeded."""
+        s = self._state
+        begin, clock = self.step, time.perf_counter()
+        code = run_steps(
+            s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.gravity, s.drag,
+            s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.ledger, s.out, s.counters, self.dt, steps,
+        )  # fmt: skip
+        if code == LIST_FULL:
+            self._make_room()
+            return
+        self._raise_unless_done(code)
+        seconds = time.perf_counter() - clock
+        # half of the half second in which an interrupt is heard: the next steps may be slower
+        self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.25 / seconds)))
+
+    def save(self, path):
+        """Writes a checkpoint, a .npz file from which `load` goes on bit for bit; an older one is kept as <path>.previous.
+
+        Whenever the process is stopped, the new or the old file is whole. Raises InputError if no file can be made there, RunFailed if
+        the machine does not take it; then the old file is untouched.
+        """
+        save(self, path)
+
+    @classmethod
+    def load(cls, path, **expected):
+        """The simulation of a checkpoint; if that is missing or damaged, of <path>.previous, with a warning that says so.
+
+        `expected`: arguments of the constructor, as `friction=...`; raises InputError listing those that are not as in the file.
+        Raises InputError, one line naming file and reason, if there is no whole checkpoint.
+        """
+        return loaded(cls, path, expected)
+
+    def arguments(self):
+        """The arguments of the constructor that make a simulation like this one, beside its grains; a dict."""
+        s = self._state
+        return {**self.effects, "boundary": self.boundary, "dt": self.dt, "skin": s.skin, "ledger": s.ledger is not None}
 
     def next_stage(self, boundary, **changes):
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.
@@ -201,9 +245,8 @@ class Simulation:
         """
         position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
         grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin)
-        arguments = {**self.effects, "dt": self.dt, "skin": self._state.skin, "allow_coarse_dt": "dt" not in changes}
-        arguments |= {"ledger": self._state.ledger is not None, **changes}
-        stage = Simulation(grains, boundary=boundary, predecessor=self, **arguments)
+        arguments = {**self.arguments(), "boundary": boundary, "allow_coarse_dt": "dt" not in changes, **changes}
+        stage = Simulation(grains, predecessor=self, **arguments)
         contact = np.hypot(*contact_table(self._state)[1].T)
         net = np.hypot(*self.net_force[: self._state.movable].T)
         stage.unbalanced_force = float(net.mean() / contact.mean()) if contact.size and contact.any() and net.size else None
@@ -277,8 +320,8 @@ class Simulation:
 
     @property
     def status(self):
-        """The Status: warned, with reasons, where the results are to be read with care. Failure is an exception of `run`."""
-        status = Status()
+        """The Status: failed after a run that had to stop; warned, with reasons, where the results are to be read with care."""
+        status = Status() if self.failure is None else Status().fail(self.failure)
         for reason in doubts(self):
             status = status.warn(reason)
         return status
