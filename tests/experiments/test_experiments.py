@@ -158,7 +158,7 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
     steady = shear.scene.steady(shear.series)
     assert float(steady.sigma_yy.mean()) == pytest.approx(1.0, rel=0.03)
     assert 0.2 < float(steady.stress_ratio.mean()) < 0.45
-    assert float(steady.inertial_number.mean()) == pytest.approx(0.05, rel=0.05)
+    assert float(steady.inertial_number.mean()) == pytest.approx(0.05, rel=0.08)  # ten seeds: 0.0505 to 0.0529
     state = steady_state(shear)
     assert 0 < float(state.stress_ratio_error) < 0.05
     assert shear.series.strain[-1] == pytest.approx(3.0, rel=1e-3)
