@@ -18,7 +18,7 @@ LAYERS = [
     {"dem", "averaging", "models"},
     {"fitting", "continuum", "files"},
     {"experiments"},
-    {"comparison", "plots"},
+    {"comparison", "benchmark", "plots"},
     {"demo"},
     {"cli"},
     {"__main__"},

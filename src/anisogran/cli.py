@@ -20,6 +20,8 @@ app = typer.Typer(
     help="From particle simulations to continuum theory for granular matter.", add_completion=False,
     pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
+bench = typer.Typer(help="How fast it is, on work that other codes have been timed on.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(bench, name="bench")
 
 
 @app.callback(invoke_without_command=True)
@@ -58,6 +60,30 @@ def demo(
 
         write_json(json_file, findings.numbers)
     summarise(findings, folder)
+
+
+@bench.command("dem")
+def bench_dem(
+    packing: Annotated[Path | None, typer.Option(help="Packing to shear, .npz with x (N, 3), r (N,), L in m; default: made here.")] = None,
+    grains: Annotated[int, typer.Option(help="Size of the packing that is made.", min=20, max=10_000_000)] = 10_000,
+    effects: Annotated[str, typer.Option(help="frictionless, friction, or luding (with friction).")] = "friction",
+    steps: Annotated[int, typer.Option(help="Steps that are timed.", min=1)] = 2000,
+    warmup: Annotated[int, typer.Option(help="Steps before.", min=0)] = 300,
+    rate: Annotated[float, typer.Option(help="Rate of the pure shear, 1/s.")] = 5.0,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+):
+    """Pure shear of a dense periodic packing on one core: particle-steps a second, memory, neighbour lists."""
+    from anisogran.benchmark import dem_benchmark, made_packing, read_packing
+    from anisogran.files import write_json
+    from anisogran.files.numbers import check_writable
+
+    if json_file is not None:
+        check_writable(json_file, "--json ")
+    numbers = dem_benchmark(*(made_packing(grains) if packing is None else read_packing(packing)), effects, steps, warmup, rate)
+    if json_file is not None:
+        write_json(json_file, numbers)
+    for name, value in numbers.items():
+        print(f"{name:22} {value:.4g}" if isinstance(value, float) else f"{name:22} {value}")
 
 
 def run_and_report(seed, quick, folder, clock):

@@ -38,7 +38,7 @@ def held(sim):
     """The bytes of every array of the state that a checkpoint keeps whole, and of the lists what is in use."""
     arrays, numbers = inventory(sim._state)
     used = sim._state.pairs.start[-1]
-    return {name: (a[:used] if name in checkpoint.IN_USE else a).tobytes() for name, a in arrays.items()} | numbers
+    return {name: (a[:used] if name.startswith(checkpoint.A_PAIR) else a).tobytes() for name, a in arrays.items()} | numbers
 
 
 def python(code, *arguments, **options):

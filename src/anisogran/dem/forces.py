@@ -41,7 +41,7 @@ def add_pair_forces(body, pairs, memory, normal, friction, cell, virial, ledger,
             account_pairs(out.pairs, reach, normal, friction, cell, largest, spring, memory.last[begin : begin + size], ledger, dt)
         pair_forces(out.pairs, reach, normal, friction, cell, largest, spring, virial, out, dt)
         if ledger is not None:
-            account_images(out.pairs, size, cell, out.force, ledger, dt)
+            account_images(out.pairs, size, cell, out.force, ledger)
         add_to_rows(body.forces, pairs.first, pairs.second, begin, size, out.force, friction)
         if virial is not None:
             for k in range(size):

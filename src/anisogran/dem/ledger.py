@@ -15,6 +15,7 @@ from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, D
 
 OVERLAP, VISCOUS, TANGENTIAL = range(3)  # what a contact remembers of the last step: m, N, N
 DASHPOT, FRICTION, PLASTICITY, DRAG, BOUNDARY = range(5)
+POWER, POWER_BEFORE = 5, 6  # W: of the boundary, through lattice and driven grains, in this step and in the one before
 SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "dissipated_drag", "boundary_work")
 
 
@@ -90,14 +91,14 @@ def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, s
 
 
 @kernel
-def account_images(pairs, size, cell, force, sums, dt):
-    """A block of pairs, after their forces: the work of the moving lattice, since an image is faster than its original."""
+def account_images(pairs, size, cell, force, sums):
+    """A block of pairs, after their forces: the power of the moving lattice, since an image is faster than its original."""
     if cell is not None:
         for k in range(size):
             u = pairs[DU, k]
             v = pairs[DV, k]
             _, _, du, dv = separation(cell, pairs[DX, k], pairs[DY, k], u, v)
-            sums[BOUNDARY] -= (force[FX, k] * (du - u) + force[FY, k] * (dv - v)) * dt
+            sums[POWER] -= force[FX, k] * (du - u) + force[FY, k] * (dv - v)
 
 
 @kernel
@@ -134,13 +135,15 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
 
 @kernel
 def account_grains(rows, forces, movable, drag, sums, dt):
-    """After all forces: what drag takes, and the work that driven grains do on the others."""
+    """After all forces: what drag takes, and the work that driven grains and the lattice do on the free grains."""
     if drag is not None:
         for i in range(movable):
             sums[DRAG] += drag * (rows[i, VX] ** 2 + rows[i, VY] ** 2) * dt
     for i in range(movable, rows.shape[0]):
-        power = forces[i, FX] * rows[i, VX] + forces[i, FY] * rows[i, VY] + forces[i, TORQUE] * rows[i, SPIN]
-        sums[BOUNDARY] -= power * dt
+        sums[POWER] -= forces[i, FX] * rows[i, VX] + forces[i, FY] * rows[i, VY] + forces[i, TORQUE] * rows[i, SPIN]
+    sums[BOUNDARY] += 0.5 * (sums[POWER_BEFORE] + sums[POWER]) * dt
+    sums[POWER_BEFORE] = sums[POWER]
+    sums[POWER] = 0.0
 
 
 @kernel

@@ -12,7 +12,7 @@ from anisogran.dem.contacts import contact_table
 from anisogran.dem.forces import Memory, add_all_forces
 from anisogran.dem.grains import Grains
 from anisogran.dem.interrupts import interrupts_deferred
-from anisogran.dem.ledger import BOUNDARY, SUMS, stored_in_contacts
+from anisogran.dem.ledger import BOUNDARY, POWER_BEFORE, SUMS, stored_in_contacts
 from anisogran.dem.limits import CAUSES, START_OVERLAP, STARTS, check_effects, doubts, gravity_vector, longest_step
 from anisogran.dem.neighbours import PairList, empty_pair_list
 from anisogran.dem.pairs import scratch
@@ -85,9 +85,9 @@ class Simulation:
             skin=skin,
             reach=reach,
             step_limit=0.5 * float(grains.radius.min()),
-            ledger=np.zeros(len(SUMS)) if ledger else None,
+            ledger=np.zeros(POWER_BEFORE + 1) if ledger else None,
             energy_at_start=0.0,
-            out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None),
+            out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None or normal.sees_size),
             counters=Counters.zero(),
         )
         self._chunk = 1  # steps in one compiled call; adapted to the speed
@@ -358,7 +358,7 @@ class Simulation:
             energy["potential"] = float(-np.sum(rows[:, :2] @ np.array(s.gravity) / rows[:, INVERSE_MASS]))
         if s.ledger is not None:
             present = sum(energy.values())
-            energy |= dict(zip(SUMS, s.ledger.tolist(), strict=True))
+            energy |= dict(zip(SUMS, s.ledger.tolist(), strict=False))
             energy["imbalance"] = present + sum(s.ledger[:BOUNDARY]) - s.ledger[BOUNDARY] - s.energy_at_start
         return energy
 

@@ -24,6 +24,7 @@ class Linear:
     stiffness: float
     damping: float = 0.0
     remembers: ClassVar[bool] = False  # the law needs no largest overlap
+    sees_size: ClassVar[bool] = False  # nor the radii of a pair
 
     def __post_init__(self):
         checked("Linear", "stiffness", self.stiffness, above=0, unit="N/m")

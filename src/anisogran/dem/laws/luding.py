@@ -61,6 +61,11 @@ class Luding:
             checked("Luding", "plastic_depth", self.plastic_depth, above=0)
 
     @property
+    def sees_size(self):
+        """Whether the law needs the radii of a pair."""
+        return self.plastic_depth is not None
+
+    @property
     def stiffest(self):
         """The largest stiffness of any branch in N/m; it sets the time step."""
         return float(max(self.k2, self.kc))
