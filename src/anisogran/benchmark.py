@@ -11,7 +11,7 @@ import zipfile
 
 import numpy as np
 
-from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation, packing
+from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation, dense_packing
 from anisogran.outcome import InputError, checked
 
 EFFECTS = ("frictionless", "friction", "luding")
@@ -39,7 +39,7 @@ def read_packing(path):
 def made_packing(grains):
     """Position, radius and side of a packing of that many grains."""
     radius = np.random.default_rng(1).uniform(SMALLEST, LARGEST, grains)
-    made = packing(radius, area_fraction=AREA_FRACTION, seed=1)
+    made = dense_packing(radius, area_fraction=AREA_FRACTION, seed=1)
     return made.position, radius, made.width
 
 
