@@ -74,13 +74,15 @@ def bench_dem(
 ):
     """Pure shear of a dense periodic packing on one core: particle-steps a second, memory, neighbour lists."""
     from anisogran.benchmark import dem_benchmark, made_packing, read_packing
-    from anisogran.files import write_json
-    from anisogran.files.numbers import check_writable
 
     if json_file is not None:
+        from anisogran.files.numbers import check_writable
+
         check_writable(json_file, "--json ")
     numbers = dem_benchmark(*(made_packing(grains) if packing is None else read_packing(packing)), effects, steps, warmup, rate)
     if json_file is not None:
+        from anisogran.files import write_json
+
         write_json(json_file, numbers)
     for name, value in numbers.items():
         print(f"{name:22} {value:.4g}" if isinstance(value, float) else f"{name:22} {value}")

@@ -19,7 +19,7 @@ from anisogran.dem.laws.linear import LinearParameters
 from anisogran.dem.neighbours import find_pairs
 from anisogran.dem.pairs import separation
 from anisogran.dem.rows import FX, FY, INVERSE_MASS, VX, VY, X, Y
-from anisogran.dem.stepping import CELL_TOO_SMALL, DONE, LIST_FULL, NOT_FINITE
+from anisogran.dem.stepping import CELL_TOO_SMALL, DONE, LIST_FULL, NOT_FINITE, remember_places
 
 SPRING = LinearParameters(1.0, 0.0)
 LONGEST_STEP, SHORTEST_STEP, FIRST_STEP = 0.5, 0.01, 0.1  # in sqrt(mass/k) of a disc of mean size; its neighbours limit it to 0.56
@@ -214,7 +214,7 @@ def minimise(body, radius, boundary, box, walls, pairs, movable, skin, cap, pres
                 return LIST_FULL
             count[DUE] = 0
             count[BUILDS] += 1
-            body.built[:] = body.rows[:, :2]
+            remember_places(body)
             fire[SIZE] = 1.0
         body.forces[:] = 0.0
         push_from_walls(boundary, walls, body, movable)

@@ -29,6 +29,13 @@ def empty_pair_list(grains, capacity):
 
 
 @kernel
+def overwrite(target, source):
+    """target[:] = source, element by element: the statement would compile a page of error messages along with it, for seconds."""
+    for k in range(source.shape[0]):
+        target[k] = source[k]
+
+
+@kernel
 def images(x, y, cell, reach):
     """Positions and owners of all grains, followed by their periodic images within `reach` of the cell (grains lie inside the cell)."""
     n = x.size
@@ -43,9 +50,10 @@ def images(x, y, cell, reach):
             px = np.empty(total)
             py = np.empty(total)
             owner = np.empty(total, np.int64)
-            px[:n] = x
-            py[:n] = y
-            owner[:n] = np.arange(n)
+            for i in range(n):
+                px[i] = x[i]
+                py[i] = y[i]
+                owner[i] = i
         total = n
         for row in range(-1, 2):
             for i in range(n):
@@ -69,10 +77,15 @@ def images(x, y, cell, reach):
 @kernel
 def cell_order(px, py, width):
     """Sort into square cells at least `width` wide: cells a row, cell of each point, start of each cell, points in cell order."""
-    low_x = px.min()
-    low_y = py.min()
-    extent_x = px.max() - low_x
-    extent_y = py.max() - low_y
+    low_x = high_x = px[0]
+    low_y = high_y = py[0]
+    for k in range(px.size):
+        low_x = min(low_x, px[k])
+        high_x = max(high_x, px[k])
+        low_y = min(low_y, py[k])
+        high_y = max(high_y, py[k])
+    extent_x = high_x - low_x
+    extent_y = high_y - low_y
     side = max(width, math.sqrt(extent_x * extent_y / px.size))  # never many more cells than grains, however far one has flown
     columns = int(extent_x / side) + 3  # one empty cell around, so that three neighbours in a row always exist
     rows = int(extent_y / side) + 3
@@ -100,7 +113,10 @@ def find_pairs(x, y, radius, movable, cell, skin, pairs):
     Returns -1 for a periodic cell narrower than twice the reach, where a pair could be found with two of its images.
     """
     n = x.size
-    reach = 2.0 * radius.max() + skin
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, radius[i])
+    reach = 2.0 * largest + skin
     if cell is not None and min(cell.width, cell.height) < 2.0 * reach:
         return -1
     px, py, owner = images(x, y, cell, reach)

@@ -13,7 +13,7 @@ from anisogran.dem.boundaries import advance, lattice, settle
 from anisogran.dem.forces import add_all_forces
 from anisogran.dem.kernel import kernel
 from anisogran.dem.ledger import BOUNDARY
-from anisogran.dem.neighbours import PairList, carry_over, find_pairs
+from anisogran.dem.neighbours import PairList, carry_over, find_pairs, overwrite
 from anisogran.dem.pairs import separation
 from anisogran.dem.rows import FX, FY, INVERSE_INERTIA, INVERSE_MASS, RADIUS, SPIN, TORQUE, VX, VY, X, Y
 from anisogran.dem.walls import find_wall_contacts
@@ -156,6 +156,14 @@ def look_for_deep_pairs(body, pairs, cell, counters):
 
 
 @kernel
+def remember_places(body):
+    """Counts the ways of the grains from here."""
+    for i in range(body.x.size):
+        body.built[i, 0] = body.x[i]
+        body.built[i, 1] = body.y[i]
+
+
+@kernel
 def translation_energy(rows, movable):
     """Kinetic energy of the translation of the movable grains in J."""
     total = 0.0
@@ -176,22 +184,25 @@ def rebuild(body, pairs, wall_list, memory, boundary, movable, skin, ledger, cou
     old = PairList(pairs.first.copy(), pairs.second.copy(), pairs.reach.copy(), pairs.start.copy())
     counters.pairs[0] = find_pairs(body.x, body.y, body.radius, movable, cell, skin, pairs)
     if counters.pairs[0] < 0:
-        counters.grain[0] = body.radius.argmax()
+        counters.grain[0] = 0
+        for i in range(body.radius.size):
+            if body.radius[i] > body.radius[counters.grain[0]]:
+                counters.grain[0] = i
         return CELL_TOO_SMALL
     if counters.pairs[0] > pairs.first.size:
-        pairs.first[:] = old.first
-        pairs.second[:] = old.second
-        pairs.reach[:] = old.reach
-        pairs.start[:] = old.start
+        overwrite(pairs.first, old.first)
+        overwrite(pairs.second, old.second)
+        overwrite(pairs.reach, old.reach)
+        overwrite(pairs.start, old.start)
         # the list stays due, but the grains may have been wrapped: from here no way would be known
-        body.built[:] = body.rows[:, :2]
+        remember_places(body)
         counters.travel[0] = skin
         return LIST_FULL
     carry_over(old, pairs, memory.largest)
     carry_over(old, pairs, memory.spring)
     carry_over(old, pairs, memory.last)
     counters.builds[0] += 1
-    body.built[:] = body.rows[:, :2]
+    remember_places(body)
     counters.travel[0] = 0.0
     counters.grain[0] = find_wall_contacts(boundary, body, movable, skin, wall_list)
     if counters.grain[0] >= 0:
