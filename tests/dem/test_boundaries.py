@@ -152,14 +152,14 @@ def test_outer_grains_press_on_their_ring():
 def test_a_grain_that_leaves_the_sheared_cell_changes_its_velocity():
     """Through the top it comes back at the bottom, shifted by the offset and slower by rate times height; through the side nothing."""
     state = Periodic(4.0, 3.0, shear_rate=0.5).state()
-    state.lattice[2:] = [1.0, 0.2, 1.1, 0.9]
+    state.lattice[2:6] = [1.0, 0.2, 1.1, 0.9]
     grains = body([[2.5, 3.1], [1.5, -0.1], [4.2, 1.0]], [0.0, 0.3])
     settle(state, grains)
     np.testing.assert_allclose(grains.x, [1.5, 2.5, 0.2], atol=1e-15)
     np.testing.assert_allclose(grains.y, [0.1, 2.9, 1.0], atol=1e-15)
     np.testing.assert_allclose(grains.vx, [-1.5, 1.5, 0.0], atol=1e-15)
     np.testing.assert_array_equal(grains.vy, 0.3)
-    np.testing.assert_array_equal(state.lattice, [4.0, 3.0, 1.0, 0.0, 1.0, 1.0])
+    np.testing.assert_array_equal(state.lattice[:6], [4.0, 3.0, 1.0, 0.0, 1.0, 1.0])
 
 
 def test_the_offset_of_the_sheared_cell_stays_within_its_width():
@@ -282,9 +282,10 @@ def test_friction_at_a_wall():
     assert snapshot.pairs.tolist() == [[0, -1]]
     np.testing.assert_allclose(snapshot.force[0], sim.net_force[0], rtol=1e-12)
     np.testing.assert_allclose(snapshot.point[0], 2.0 * n, rtol=1e-12)  # on the wall
-    sim._state.wall_largest[:], sim._state.wall_spring[:] = 0.01, 0.5  # a step would load the one and cut the other
+    memory = sim._state.wall_memory
+    memory.largest[:], memory.spring[:] = 0.01, 0.5  # a step would load the one and cut the other
     sim.snapshot()
-    assert (sim._state.wall_largest.item(), sim._state.wall_spring.item()) == (0.01, 0.5)
+    assert (memory.largest.item(), memory.spring.item()) == (0.01, 0.5)
 
 
 def test_every_wall_has_its_own_memory():
@@ -392,7 +393,7 @@ def test_the_next_stage_begins_with_the_forces_of_the_last():
     sim = Simulation(grains, law, friction=friction, boundary=boundary, wall_friction=friction)
     sim.run(120)
     s = sim._state
-    memory = [s.largest[:1], s.spring[:1], s.wall_largest, s.wall_spring]
+    memory = [s.memory.largest[:1], s.memory.spring[:1], s.wall_memory.largest, s.wall_memory.spring]
     assert all(part.any() for part in memory)
     stage = sim.next_stage(boundary=replace(boundary, radius=float(sim.walls.position[0])))
     np.testing.assert_array_equal(stage.spin, sim.spin)
@@ -402,6 +403,6 @@ def test_the_next_stage_begins_with_the_forces_of_the_last():
         replace(grains, position=sim.position, velocity=sim.velocity), law, friction, boundary=stage.boundary, wall_friction=friction
     )
     assert np.all(np.abs(fresh.net_force - sim.net_force).max(axis=1) > 0.1)  # the memory matters for both grains
-    s.largest[0], s.spring[0] = 1e-6, 0.5  # a step would load the one and cut the other; a snapshot must not
+    s.memory.largest[0], s.memory.spring[0] = 1e-6, 0.5  # a step would load the one and cut the other; a snapshot must not
     sim.snapshot()
-    assert (s.largest[0], s.spring[0]) == (1e-6, 0.5)
+    assert (s.memory.largest[0], s.memory.spring[0]) == (1e-6, 0.5)

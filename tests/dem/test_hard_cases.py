@@ -111,20 +111,25 @@ def test_a_million_steps_make_no_error_in_time():
 
 @pytest.mark.parametrize("law", [Linear(1e3), Luding(1e3, 1e3)], ids=lambda law: type(law).__name__)
 def test_an_elastic_gas_keeps_its_energy(law, rng):
-    """A hundred discs, some ten thousand collisions: drift below 1 % at t_c/50, six times less at t_c/100; momentum to rounding."""
+    """A hundred discs, some thousands of collisions: errors far below 1 %, fifteen times less at a quarter of the step.
+
+    One collision is exact to third order; here errors of either sign pile up in runs that differ, and the root mean square over the run
+    falls with an order of 2 to 2.6 (three seeds). Momentum is kept to rounding.
+    """
     grains, side = crowd(rng, count=100, fraction=0.4, size_ratio=1.5)
-    drift = []
-    for share in (50, 100):
-        sim = Simulation(grains, law, boundary=Periodic(side, side), dt=collision_time(law, grains.mass) / share)
-        before = sim.kinetic_energy()
-        sim.run(2000 * share)
-        energy = sim.energy()
-        drift.append(abs((energy["kinetic"] + energy["elastic"]) / before - 1))
+    error = []
+    for share in (25, 100):
+        sim = Simulation(grains, law, boundary=Periodic(side, side), dt=collision_time(law, grains.mass) / share, allow_coarse_dt=True)
+        before, errors = sim.kinetic_energy(), []
+        for _ in range(40):
+            sim.run(50 * share)
+            energy = sim.energy()
+            errors.append((energy["kinetic"] + energy["elastic"]) / before - 1)
+        error.append(np.sqrt(np.mean(np.square(errors))))
         scale = np.abs(grains.mass[:, None] * grains.velocity).sum()
         np.testing.assert_allclose(grains.mass @ sim.velocity, grains.mass @ grains.velocity, atol=1e-12 * scale)
-    print("DRIFT", drift)
-    assert drift[0] < 1e-2
-    assert drift[1] < drift[0] / 6
+    assert error[0] < 5e-3
+    assert error[1] < error[0] / 10  # an order of 2 would be 16; seeds gave 14 to 39
 
 
 @laws
@@ -132,19 +137,19 @@ def test_grains_may_come_in_any_order(name, rng):
     """Another numbering is the same physics: equal within 1e-12 after 100 steps (the sums are in another order)."""
     law = replace(EVERY_LAW[name], k1=5e4, k2=1e5, kc=2e4, damping=0.1) if name != "linear" else Linear(1e5, 0.1)
     grains, side = crowd(rng, fraction=0.55)
+    sim = Simulation(replace(grains, velocity=3 * grains.velocity), law, friction=FRICTION, boundary=Box(side, side))
+    sim.run(3000)  # until many touch
     shuffled = rng.permutation(len(grains))
     runs = []
     for order in (np.arange(len(grains)), shuffled):
-        g = Grains(grains.position[order], grains.radius[order], velocity=3 * grains.velocity[order], spin=grains.spin[order])
-        sim = Simulation(g, law, friction=FRICTION, boundary=Box(side, side))
-        for _ in range(30):
-            sim.run(100)
-        runs.append(sim)
+        g = Grains(sim.position[order], grains.radius[order], velocity=sim.velocity[order], spin=sim.spin[order])
+        runs.append(Simulation(g, law, friction=FRICTION, boundary=Box(side, side)))
+        runs[-1].run(100)
     straight, other = runs
-    assert len(straight.snapshot().pairs) > 3
-    for name_of in ("position", "velocity"):
-        a, b = getattr(straight, name_of)[shuffled], getattr(other, name_of)
-        np.testing.assert_allclose(b, a, atol=1e-9 * np.abs(a).max())  # PLACE
+    assert len(straight.snapshot().pairs) > 5
+    for quantity in ("position", "velocity", "spin"):
+        expected = getattr(straight, quantity)[shuffled]
+        np.testing.assert_allclose(getattr(other, quantity), expected, atol=1e-12 * np.abs(expected).max())
 
 
 @laws
@@ -153,7 +158,7 @@ def test_absent_is_of_no_strength_for_every_law(name, rng):
     law = EVERY_LAW[name]
     grains = pair(0.02, 2.0, spin=[1.0, -2.0])
     grains = replace(grains, velocity=grains.velocity + np.array([[0.0, 0.3], [0.0, 0.0]]))
-    runs = [Simulation(grains, law), Simulation(grains, law, friction=Friction(K, 0.0)), Simulation(grains, law, gravity=(0.0, 0.0))]
+    runs = [Simulation(grains, law), Simulation(grains, law, friction=Friction(0.3 * K, 0.0)), Simulation(grains, law, gravity=(0.0, 0.0))]
     for sim in runs:
         sim.run(500)
     assert np.abs(runs[0].velocity - grains.velocity).max() > 0.5  # they have met

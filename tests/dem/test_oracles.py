@@ -104,7 +104,7 @@ def test_luding_sticks_where_the_closed_form_has_no_root(law):
         sim.run(20)
         overlap = 1.0 - (sim.position[1, 0] - sim.position[0, 0])
         assert overlap > 0
-        energies.append(sim.kinetic_energy() + stored_energy(parameters, overlap, sim._state.largest[0], SIZE))
+        energies.append(sim.kinetic_energy() + stored_energy(parameters, overlap, sim._state.memory.largest[0], SIZE))
     # measured at most 2e-4: velocity Verlet keeps a harmonic energy to (omega dt)^2/8 = 1.2e-4, and each kink costs a little
     assert np.diff(energies).max() < 5e-4 * energies[0]
     assert energies[-1] < energies[0]

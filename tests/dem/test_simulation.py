@@ -58,8 +58,8 @@ def test_an_absent_effect_is_an_effect_of_no_strength(rng):
         sim.run(2000)
     np.testing.assert_array_equal(without.position, with_zero.position)
     np.testing.assert_array_equal(without.spin, grains.spin)
-    assert without._state.spring is None
-    assert without._state.largest is None
+    assert without._state.memory.spring is None
+    assert without._state.memory.largest is None
     assert with_zero.active_effects()[1] == ["rolling", "gravity", "wall_friction", "drag"]
 
 

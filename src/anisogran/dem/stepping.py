@@ -20,7 +20,7 @@ from anisogran.dem.walls import find_wall_contacts
 
 CHECK_EVERY = 10  # steps between two looks at how far the grains have moved since the list was built
 
-DEEP_EVERY = 100  # steps between two looks for overlaps that no contact law is meant for
+DEEP_EVERY = 20  # steps between two looks for overlaps that no contact law is meant for; a contact lasts fifty by default
 DEEP, TOO_DEEP = 0.05, 0.5  # shares of the smaller radius
 
 DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST, CELL_TOO_SMALL = range(7)
