@@ -39,6 +39,17 @@ def test_the_made_packing_is_the_common_one(packing):
     assert np.pi * np.sum(radius**2) / side**2 == pytest.approx(AREA_FRACTION, rel=1e-12)  # rounding
 
 
+def test_large_packings_are_laid_with_tiles(monkeypatch):
+    """Twice as wide and high as the tile, and every contact of the tile four times: across the borders as well."""
+    monkeypatch.setattr("anisogran.benchmark.LARGEST_TILE", 200)
+    contacts = []
+    for grains in (200, 800):
+        position, radius, side = made_packing(grains)
+        assert len(radius) == grains
+        contacts.append(len(sheared_packing(position, radius, side, "frictionless", 5.0).snapshot().pairs))
+    assert contacts[1] == 4 * contacts[0]
+
+
 @pytest.mark.parametrize("effects", EFFECTS)
 def test_the_work_is_pure_shear_with_the_effects_asked_for(effects, packing):
     """After a strain of rate times time the cell is as much narrower as it is higher; no effect is there that was not asked for."""

@@ -6,6 +6,7 @@ the reduced mass of each pair instead do one quotient more. `luding` has k1 = 5e
 the same friction. Without a file the packing is made here: radii uniform in 0.5 .. 1.5 mm, area fraction 0.86.
 """
 
+import math
 import time
 import zipfile
 
@@ -15,6 +16,7 @@ from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.outcome import InputError, checked
 
 EFFECTS = ("frictionless", "friction", "luding")
+LARGEST_TILE = 10_000  # grains
 STEP = 1.44e-7  # s, a fiftieth of the contact time of the smallest pair
 SMALLEST, LARGEST, AREA_FRACTION = 0.5e-3, 1.5e-3, 0.86
 
@@ -37,10 +39,12 @@ def read_packing(path):
 
 
 def made_packing(grains):
-    """Position, radius and side of a packing of that many grains."""
-    radius = np.random.default_rng(1).uniform(SMALLEST, LARGEST, grains)
+    """Position, radius and side of a packing of about that many grains; above 10,000 it is laid with tiles of one periodic packing."""
+    tiles = math.ceil(math.sqrt(grains / LARGEST_TILE))
+    radius = np.random.default_rng(1).uniform(SMALLEST, LARGEST, round(grains / tiles**2))
     made = dense_packing(radius, area_fraction=AREA_FRACTION, seed=1)
-    return made.position, radius, made.width
+    place = made.width * np.indices((tiles, tiles)).reshape(2, -1).T
+    return (place[:, None] + made.position).reshape(-1, 2), np.tile(radius, tiles**2), tiles * made.width
 
 
 def sheared_packing(position, radius, side, effects, rate):

@@ -14,7 +14,7 @@ import numpy as np
 
 from anisogran.dem.boundaries import lattice, touch
 from anisogran.dem.forces import Memory, add_pair_forces
-from anisogran.dem.kernel import kernel
+from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.laws.linear import LinearParameters
 from anisogran.dem.neighbours import find_pairs
 from anisogran.dem.pairs import separation
@@ -59,7 +59,7 @@ def new_list(body, cell, movable, skin, pairs):
     return find_pairs(x, y, body.radius, movable, cell, skin, pairs)
 
 
-@kernel
+@subkernel
 def push_from_walls(boundary, walls, body, movable):
     """Adds the overlap with each wall to the forces."""
     if walls is not None:
@@ -116,7 +116,7 @@ def look(body, radius, boundary, cell, walls, pairs, movable, progress):
     return progress.reached
 
 
-@kernel
+@subkernel
 def sums(rows, forces, movable):
     """Power, squared force over mass and squared velocity times mass, summed over the movable grains."""
     power = 0.0
@@ -133,7 +133,7 @@ def sums(rows, forces, movable):
     return power, square_force, square_velocity
 
 
-@kernel
+@subkernel
 def move(rows, forces, built, movable, keep, gain, step, cap, scale, scale_built):
     """v <- keep v + gain f/m, at most cap/step; x <- scale x + step v. Returns the longest way, beyond the affine one, squared."""
     fastest = cap / step
@@ -156,7 +156,7 @@ def move(rows, forces, built, movable, keep, gain, step, cap, scale, scale_built
     return farthest
 
 
-@kernel
+@subkernel
 def breath_push(box, pressure, virial):
     """Force on the logarithm of the size of the cell: what its contacts press more than `pressure`; 0 for a cell that does not breathe."""
     if box is not None:  # noqa: SIM102 (only a condition of its own is pruned by the compiler)
@@ -165,7 +165,7 @@ def breath_push(box, pressure, virial):
     return 0.0
 
 
-@kernel
+@subkernel
 def breathe(box, fire, keep, gain, push):
     """Kicks and moves the size of the cell; returns the ratio of the new to the old one."""
     scale = 1.0
@@ -179,7 +179,7 @@ def breathe(box, fire, keep, gain, push):
     return scale
 
 
-@kernel
+@subkernel
 def steer(progress, power, square_force, square_velocity):
     """Sets step and mix by the sign of the power; returns the share of the velocity that is kept and the gain of velocity by f/m."""
     fire = progress.fire

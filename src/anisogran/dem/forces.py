@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.dem.boundaries import lattice, stress_sums
-from anisogran.dem.kernel import block, kernel
+from anisogran.dem.kernel import block, kernel, subkernel
 from anisogran.dem.ledger import account_grains, account_images, account_pairs, account_walls
 from anisogran.dem.pairs import BLOCK, pair_forces
 from anisogran.dem.rows import add_to_rows, pair_columns
@@ -25,7 +25,7 @@ class Memory(NamedTuple):
     last: np.ndarray | None  # (..., 3) what the energy ledger remembers of the last step
 
 
-@kernel
+@subkernel
 def add_pair_forces(body, pairs, memory, normal, friction, cell, virial, ledger, out, dt):
     """Adds the forces of all pairs to the rows of body.forces, and leaves the sums of f_x branch_x and f_y branch_y in `virial`."""
     if virial is not None:
@@ -53,8 +53,11 @@ def add_pair_forces(body, pairs, memory, normal, friction, cell, virial, ledger,
 def add_all_forces(
     body, spin, pairs, wall_list, memory, wall_memory, normal, friction, wall_friction, drag, boundary, movable, ledger, out, dt
 ):
-    """Forces and torques on all grains and walls, contact memory advanced by dt."""
-    body.forces[:] = 0.0
+    """Adds the forces and torques on all grains and walls to zero, contact memory advanced by dt.
+
+    Those of the movable grains have been cleared by the drift; driven grains and walls press on their boundary until here.
+    """
+    body.forces[movable:] = 0.0
     largest = wall_memory.largest
     spring = wall_memory.spring
     if ledger is not None:

@@ -8,7 +8,7 @@ as the time stepping has it; for that a contact remembers its overlap and the fo
 import math
 
 from anisogran.dem.boundaries import lattice, touch
-from anisogran.dem.kernel import block, kernel
+from anisogran.dem.kernel import block, kernel, subkernel
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
@@ -19,7 +19,7 @@ POWER, POWER_BEFORE = 5, 6  # W: of the boundary, through lattice and driven gra
 SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "dissipated_drag", "boundary_work")
 
 
-@kernel
+@subkernel
 def normal_losses(normal, last, overlap, rate, largest, size, dt):
     """One contact over one step: energy lost to the dashpot and to plasticity, mean forces of both, and the bound of friction."""
     before = last[OVERLAP]
@@ -43,7 +43,7 @@ def normal_losses(normal, last, overlap, rate, largest, size, dt):
     return -viscous * rate * dt, elastic * (overlap - before) - (stored - stored_before), elastic, viscous, bound
 
 
-@kernel
+@subkernel
 def tangential_losses(friction, closed, last, slip, spring, bound, dt):
     """One contact over one step: energy lost to the tangential dashpot and to sliding, and the mean force.
 
@@ -61,7 +61,7 @@ def tangential_losses(friction, closed, last, slip, spring, bound, dt):
     return lost if sticks else 0.0, 0.0 if sticks else lost, mean
 
 
-@kernel
+@subkernel
 def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, sums, dt):
     """A block of pairs, before their forces: the losses of this step into `sums`, what the next step wants to know into `last`."""
     for k in range(reach.size):
@@ -90,7 +90,7 @@ def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, s
                 sums[FRICTION] += sliding
 
 
-@kernel
+@subkernel
 def account_images(pairs, size, cell, force, sums):
     """A block of pairs, after their forces: the power of the moving lattice, since an image is faster than its original."""
     if cell is not None:
@@ -101,7 +101,7 @@ def account_images(pairs, size, cell, force, sums):
             sums[POWER] -= force[FX, k] * (du - u) + force[FY, k] * (dv - v)
 
 
-@kernel
+@subkernel
 def account_walls(boundary, body, spin, wall_list, normal, friction, largest, spring, last, sums, dt):
     """The contacts with walls, before their forces: losses, and the work of moving walls."""
     if wall_list is not None:
@@ -133,7 +133,7 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
                     sums[BOUNDARY] -= ft * (wall_vy * nx - wall_vx * ny) * dt
 
 
-@kernel
+@subkernel
 def account_grains(rows, forces, movable, drag, sums, dt):
     """After all forces: what drag takes, and the work that driven grains and the lattice do on the free grains."""
     if drag is not None:
@@ -146,7 +146,7 @@ def account_grains(rows, forces, movable, drag, sums, dt):
     sums[POWER] = 0.0
 
 
-@kernel
+@subkernel
 def stored_in_pairs(pairs, reach, normal, friction, cell, largest, spring):
     """Energy in J that the contacts of a block of pairs can give back."""
     total = 0.0
@@ -163,7 +163,7 @@ def stored_in_pairs(pairs, reach, normal, friction, cell, largest, spring):
     return total
 
 
-@kernel
+@subkernel
 def stored_at_walls(boundary, body, wall_list, normal, friction, largest, spring):
     """Energy in J that the contacts with walls can give back."""
     total = 0.0

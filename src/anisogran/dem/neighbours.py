@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import kernel
+from anisogran.dem.kernel import subkernel
 
 
 class PairList(NamedTuple):
@@ -28,14 +28,14 @@ def empty_pair_list(grains, capacity):
     return PairList(*indices, np.zeros(capacity), np.zeros(grains + 1, np.int64))
 
 
-@kernel
+@subkernel
 def overwrite(target, source):
     """target[:] = source, element by element: the statement would compile a page of error messages along with it, for seconds."""
     for k in range(source.shape[0]):
         target[k] = source[k]
 
 
-@kernel
+@subkernel
 def images(x, y, cell, reach):
     """Positions and owners of all grains, followed by their periodic images within `reach` of the cell (grains lie inside the cell)."""
     n = x.size
@@ -74,7 +74,7 @@ def images(x, y, cell, reach):
     return px, py, owner
 
 
-@kernel
+@subkernel
 def cell_order(px, py, width):
     """Sort into square cells at least `width` wide: cells a row, cell of each point, start of each cell, points in cell order."""
     low_x = high_x = px[0]
@@ -105,7 +105,7 @@ def cell_order(px, py, width):
     return columns, cell_of, start, order
 
 
-@kernel
+@subkernel
 def find_pairs(x, y, radius, movable, cell, skin, pairs):
     """Fills the list with all pairs closer than radii + skin, at least one of them movable (index < movable).
 
@@ -158,7 +158,7 @@ def find_pairs(x, y, radius, movable, cell, skin, pairs):
     return found
 
 
-@kernel
+@subkernel
 def carry_over(old, new, memory):
     """Memory (of any contact effect) of the pairs in the old list, in the order of the new one; zero for new pairs."""
     if memory is None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import kernel, unaliased
+from anisogran.dem.kernel import kernel, subkernel, unaliased
 from anisogran.dem.laws import normal_force, tangential_force
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN
 
@@ -66,7 +66,7 @@ def pair_size(reach, difference_radius):
     return 0.5 * (reach - difference_radius * difference_radius / reach)
 
 
-@kernel
+@subkernel
 def pair_forces(pairs, reach, normal, friction, cell, largest, spring, virial, out, dt):
     """Forces and torques of a block of pairs, one for each entry of `reach`, into `out`; contact memory is updated in place."""
     memory = unaliased(largest)

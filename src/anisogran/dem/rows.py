@@ -18,6 +18,8 @@ X, Y, VX, VY, RADIUS, SPIN, INVERSE_MASS, INVERSE_INERTIA = range(8)  # a row of
 DX, DY, DU, DV, DIFFERENCE_RADIUS, DIFFERENCE_SPIN, SUM_INVERSE_MASS, SUM_SPIN = range(8)
 FX, FY, TORQUE = range(3)  # a row of forces has four numbers, the last one is spare
 LANES = 8
+CACHED = 50_000  # grains; with more of them the rows are in main memory
+AHEAD = 64  # pairs: there, rows are asked for that much before they are read
 
 
 def grain_rows(grains, order):
@@ -78,6 +80,24 @@ def _transposed(builder, rows, distances):
                 exchanged[m + distance] = builder.shuffle_vector(rows[m], rows[m + distance], _pick(*high))
         rows = exchanged
     return rows
+
+
+@intrinsic
+def _ask_for_rows(typing_context, rows, second, begin):
+    """Asks for the rows of the second grains of eight pairs, so that they are at hand later, without waiting for them."""
+
+    def generate(context, builder, signature, arguments):
+        views = [context.make_array(signature.args[n])(context, builder, value=arguments[n]) for n in (0, 1)]
+        byte, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [byte, number, number, number])
+        prefetch = builder.module.declare_intrinsic("llvm.prefetch", [byte], kind)
+        to_read, keep_near, data = number(0), number(3), number(1)
+        for m in range(8):
+            row = _row(builder, *views, builder.add(arguments[2], ir.Constant(_INDEX, m)), 8)
+            builder.call(prefetch, [builder.bitcast(row, byte), to_read, keep_near, data])
+        return context.get_dummy_value()
+
+    return types.void(rows, second, types.int64), generate
 
 
 def _whole(builder, ends):
@@ -165,7 +185,10 @@ def _pair_columns(rows, first, second, begin, size, columns, whole):
     fetch = _fetch_lean if whole == types.none else _fetch_whole
 
     def compiled(rows, first, second, begin, size, columns, whole):
+        large = rows.shape[0] > CACHED
         for k in range(0, size, LANES):
+            if large:
+                _ask_for_rows(rows, second, min(begin + k + AHEAD, second.size - LANES))
             fetch(rows, first, second, begin + k, columns, k)
 
     return compiled

@@ -165,6 +165,7 @@ class Simulation:
     def _force(self):
         """Forces at the present positions and velocities; springs do not stretch in no time."""
         s = self._state
+        s.body.forces[:] = 0.0
         add_all_forces(
             s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.drag, s.boundary,
             s.movable, s.ledger, s.out, 0.0,

@@ -11,7 +11,7 @@ import numpy as np
 
 from anisogran.dem.boundaries import advance, lattice, settle
 from anisogran.dem.forces import add_all_forces
-from anisogran.dem.kernel import kernel
+from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.ledger import BOUNDARY
 from anisogran.dem.neighbours import PairList, carry_over, find_pairs, overwrite
 from anisogran.dem.pairs import separation
@@ -67,9 +67,12 @@ class Counters(NamedTuple):
         return cls(*(np.zeros(*sizes.get(name, (1, np.int64))) for name in cls._fields))
 
 
-@kernel
+@subkernel
 def kick_and_drift(rows, forces, spin, gravity, drag, movable, before, after, dt):
-    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero. Spins are kicked alike."""
+    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero. Spins are kicked alike.
+
+    After a drift the forces are of no use any more: they are cleared here, where they are at hand, for the next sum.
+    """
     for i in range(movable):
         inverse = rows[i, INVERSE_MASS]
         ax = forces[i, FX] * inverse
@@ -97,9 +100,12 @@ def kick_and_drift(rows, forces, spin, gravity, drag, movable, before, after, dt
             acceleration = forces[i, TORQUE] * rows[i, INVERSE_INERTIA]
             w = rows[i, SPIN] + before * acceleration
             rows[i, SPIN] = w + after * acceleration
+        if dt > 0.0:
+            for k in range(4):
+                forces[i, k] = 0.0
 
 
-@kernel
+@subkernel
 def farthest_move(body, cell):
     """Longest way of a grain since the list was built, and the fastest grain's speed; which one is fastest, or nowhere (NaN or inf).
 
@@ -129,7 +135,7 @@ def farthest_move(body, cell):
     return math.sqrt(farthest), math.sqrt(fastest), who
 
 
-@kernel
+@subkernel
 def look_for_deep_pairs(body, pairs, cell, counters):
     """Counts the pairs that overlap by more than DEEP of the smaller radius; DEEP_OVERLAP if one does by more than TOO_DEEP, else DONE."""
     count = 0
@@ -155,7 +161,7 @@ def look_for_deep_pairs(body, pairs, cell, counters):
     return DEEP_OVERLAP if deepest > TOO_DEEP else DONE
 
 
-@kernel
+@subkernel
 def remember_places(body):
     """Counts the ways of the grains from here."""
     for i in range(body.x.size):
@@ -163,7 +169,7 @@ def remember_places(body):
         body.built[i, 1] = body.y[i]
 
 
-@kernel
+@subkernel
 def translation_energy(rows, movable):
     """Kinetic energy of the translation of the movable grains in J."""
     total = 0.0

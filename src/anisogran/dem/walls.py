@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.dem.boundaries import touch
-from anisogran.dem.kernel import kernel
+from anisogran.dem.kernel import subkernel
 from anisogran.dem.laws import normal_force, tangential_force
 from anisogran.dem.rows import TORQUE
 
@@ -30,7 +30,7 @@ def empty_wall_list(grains, walls):
     return WallList(np.zeros(grains * walls, np.int64), np.zeros(grains * walls, np.int64), np.zeros(1, np.int64))
 
 
-@kernel
+@subkernel
 def find_wall_contacts(boundary, body, movable, skin, wall_list):
     """Fills the list; returns the index of a grain whose centre lies beyond a wall, or -1."""
     outside = -1
@@ -49,7 +49,7 @@ def find_wall_contacts(boundary, body, movable, skin, wall_list):
     return outside
 
 
-@kernel
+@subkernel
 def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, spring, dt):
     """Candidate k: grain, wall, overlap, normal towards the wall, normal force, tangential force on the wall; contact memory updated."""
     i = wall_list.grain[k]
@@ -73,7 +73,7 @@ def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, 
     return i, wall, overlap, nx, ny, fn, ft
 
 
-@kernel
+@subkernel
 def add_wall_forces(boundary, body, spin, wall_list, normal, friction, largest, spring, dt):
     """Adds the forces of all wall contacts to the grains, and to boundary.force and boundary.traction those on the walls."""
     if wall_list is not None:
