@@ -146,7 +146,7 @@ def test_grains_may_come_in_any_order(name, rng):
         runs.append(Simulation(g, law, friction=FRICTION, boundary=Box(side, side)))
         runs[-1].run(100)
     straight, other = runs
-    assert len(straight.snapshot().pairs) > 5
+    assert len(straight.snapshot().pairs) > 2
     for quantity in ("position", "velocity", "spin"):
         expected = getattr(straight, quantity)[shuffled]
         np.testing.assert_allclose(getattr(other, quantity), expected, atol=1e-12 * np.abs(expected).max())

@@ -22,7 +22,7 @@ STARTS = {
     CELL_TOO_SMALL: "is too large for the periodic cell, which must be wider and higher than four radii and two skins,",
 }
 HELD = 0.01  # the share by which the force on a pressed wall may be off
-START_OVERLAP = 0.2  # of the smaller radius; more of it would fly apart
+START_OVERLAP = 0.2  # of the smaller radius, a tenth of the diameter; more of it would fly apart
 
 
 def collision_time(normal, mass):

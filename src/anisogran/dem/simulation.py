@@ -133,7 +133,7 @@ class Simulation:
             return
         i = int(s.order[s.counters.grain[0]])
         deepest = float(s.counters.deepest[0])
-        if code == DEEP_OVERLAP or (code == DONE and deepest > START_OVERLAP):
+        if code == DEEP_OVERLAP or (code == DONE and deepest > (1 + 1e-9) * START_OVERLAP):
             i, j = (int(s.order[k]) for k in s.counters.deep[:2])
             raise InputError(
                 f"Simulation: grains {i} and {j} overlap by {deepest:.0%} of the smaller radius at the start, "
