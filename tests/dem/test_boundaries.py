@@ -13,6 +13,7 @@ from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
 from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.rows import INVERSE_MASS, grain_rows
+from anisogran.dem.state import find_forces
 from anisogran.dem.stepping import body_of, kick_and_drift
 from anisogran.dem.walls import WallList, find_wall_contacts, wall_contact
 from anisogran.outcome import InputError, RunFailed
@@ -271,7 +272,7 @@ def test_friction_at_a_wall():
     friction = Friction(1e3, 10.0, damping=g_t)
     sim = Simulation(grains, Luding(k, k, damping=g), friction=friction, boundary=boundary, wall_friction=friction)
     sim.walls.velocity[0] = ring_speed
-    sim._force()
+    find_forces(sim._state)
     arm = 0.5 - overlap / 2
     fn, ft = k * overlap + g * (outward - ring_speed), g_t * (along + arm * spin)  # on the wall
     np.testing.assert_allclose(sim.net_force[0], -fn * n - ft * t, rtol=1e-12)

@@ -9,6 +9,7 @@ from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Periodi
 from anisogran.dem.boundaries import periodic
 from anisogran.dem.neighbours import PairList, carry_over, empty_pair_list, find_pairs
 from anisogran.dem.packing import uniform_radii
+from anisogran.dem.state import make_room
 
 
 @numba.njit
@@ -81,7 +82,7 @@ def test_lists_grow_during_a_run(name):
     }[name]
     short, roomy = (Simulation(grains, Luding(500.0, 1e3, 200.0, 5.0), Friction(200.0, 0.5), boundary=boundary, skin=3.0) for _ in range(2))
     roomy._state.counters.pairs[0] = 5000
-    roomy._make_room()
+    make_room(roomy._state)
     room = short._state.pairs.first.size
     for sim in (short, roomy):
         sim.run(2000)

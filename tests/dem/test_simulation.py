@@ -74,6 +74,14 @@ def test_kinetic_energy_is_that_of_the_free_grains():
     assert sim.snapshot().fixed.tolist() == [False, False, True]
 
 
+def test_the_coordination_number_counts_the_contacts_of_free_grains():
+    """A row of three on a wall: 2 contacts each for the two free ones, the driven one at the end is not counted."""
+    grains = Grains([[0.49, 1.0], [1.48, 1.0], [2.47, 1.0]], np.full(3, 0.5), driven=1)
+    sim = Simulation(grains, Linear(1e3), boundary=Box(4.0, 4.0))
+    assert sim.coordination_number() == 2.0
+    assert Simulation(Grains([[0.0, 0.0]], [1.0]), Linear(1e3)).coordination_number() == 0.0
+
+
 def test_mass_is_that_of_a_sphere():
     assert Grains([[0.0, 0.0]], [2.0], density=3.0).mass[0] == pytest.approx(32 * np.pi)
 

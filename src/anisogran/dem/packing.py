@@ -13,7 +13,7 @@ from anisogran.dem.boundaries import Periodic
 from anisogran.dem.fire import BALANCED, CONTACTS, MEAN_OVERLAP, PRESSURE, SEPARATE, STEPS, UNBALANCED
 from anisogran.dem.minimisation import INFLATION, Minimisation
 from anisogran.dem.random_start import random_positions, uniform_radii
-from anisogran.dem.simulation import memory_order
+from anisogran.dem.state import memory_order
 from anisogran.dem.stepping import CELL_TOO_SMALL, DONE
 from anisogran.outcome import InputError, RunFailed, checked
 

@@ -9,7 +9,7 @@ from anisogran.dem.boundaries import Box, Open, Periodic, Ring
 from anisogran.dem.fire import BALANCED, SEPARATE
 from anisogran.dem.grains import Grains
 from anisogran.dem.minimisation import INFLATION, Minimisation
-from anisogran.dem.simulation import memory_order
+from anisogran.dem.state import memory_order
 from anisogran.dem.stepping import CELL_TOO_SMALL, DONE
 from anisogran.outcome import InputError, RunFailed, checked
 

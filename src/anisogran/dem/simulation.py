@@ -2,23 +2,19 @@
 
 import time
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 
 from anisogran.dem.boundaries import Open
 from anisogran.dem.checkpoint import checkpoints, loaded, save
 from anisogran.dem.contacts import contact_table
-from anisogran.dem.forces import Memory, add_all_forces
+from anisogran.dem.energies import energies, kinetic_energy
 from anisogran.dem.grains import Grains
 from anisogran.dem.interrupts import interrupts_deferred
-from anisogran.dem.ledger import BOUNDARY, POWER_BEFORE, SUMS, stored_in_contacts
 from anisogran.dem.limits import CAUSES, START_OVERLAP, STARTS, check_effects, doubts, gravity_vector, longest_step
-from anisogran.dem.neighbours import PairList, empty_pair_list
-from anisogran.dem.pairs import scratch
-from anisogran.dem.rows import INVERSE_INERTIA, INVERSE_MASS, SPIN, TORQUE, grain_rows
-from anisogran.dem.stepping import DEEP_OVERLAP, DONE, LIST_FULL, Counters, body_of, rebuild, run_steps
-from anisogran.dem.walls import empty_wall_list
+from anisogran.dem.rows import SPIN, TORQUE
+from anisogran.dem.state import find_forces, inherit, make_room, new_list, new_state
+from anisogran.dem.stepping import DEEP_OVERLAP, DONE, LIST_FULL, run_steps
 from anisogran.outcome import InputError, RunFailed, Status, checked
 from anisogran.snapshot import Snapshot
 
@@ -58,76 +54,23 @@ class Simulation:
         self.unbalanced_force = None
         self.failure = None  # the sentence with which a run has stopped
 
-        n, walls = len(grains), boundary.walls
-        movable = n - grains.driven
-        reach = 2 * float(grains.radius.max()) + skin
-        order = memory_order(grains.position, movable, reach)
-        body = body_of(grain_rows(grains, order))
-        rotates = friction is not None or (wall_friction is not None and walls > 0)
-        pairs = empty_pair_list(n, 6 * n + 64 if restored is None else restored.capacity)
-        capacity = pairs.first.size
-        state = boundary.state()
-        self._state = SimpleNamespace(
-            order=order,
-            body=body,
-            spin=body.rows[:, SPIN] if rotates else None,
-            pairs=pairs,
-            wall_list=empty_wall_list(n, walls),
-            memory=memory_of(capacity, normal.remembers, friction is not None, ledger),
-            wall_memory=memory_of((walls, n), normal.remembers and walls, wall_friction is not None and walls, ledger and walls),
-            normal=normal.parameters(),
-            friction=None if friction is None else friction.parameters(),
-            wall_friction=None if wall_friction is None or not walls else wall_friction.parameters(),
-            gravity=gravity,
-            drag=drag,
-            boundary=state,
-            movable=movable,
-            skin=skin,
-            reach=reach,
-            step_limit=0.5 * float(grains.radius.min()),
-            ledger=np.zeros(POWER_BEFORE + 1) if ledger else None,
-            energy_at_start=0.0,
-            out=scratch(virial=getattr(state, "virial", None) is not None, whole=friction is not None or normal.sees_size),
-            counters=Counters.zero(),
-        )
+        self._state = new_state(grains, self.effects, boundary, skin, ledger, None if restored is None else restored.capacity)
         self._chunk = 1  # steps in one compiled call; adapted to the speed
         if restored is not None:
             restored.fill(self)
             return
         if predecessor is not None:
-            self._inherit(predecessor)
+            inherit(self._state, predecessor._state)
         self._build(start=predecessor is None)
-        self._force()
+        find_forces(self._state)
         if ledger:
             self._state.energy_at_start = self.energy()["imbalance"]
-
-    def _inherit(self, predecessor):
-        """The pair list and the contact memory of the stage before, in the order in which this one keeps its grains."""
-        s, before = self._state, predecessor._state
-        place = np.empty(len(s.order), np.int64)
-        place[s.order] = np.arange(len(s.order))
-        moved = place[before.order]  # where the grains of the stage before are now
-        used = int(before.pairs.start[-1])
-        ends = moved[np.stack([before.pairs.first[:used], before.pairs.second[:used]])]
-        first, second = ends.min(axis=0), ends.max(axis=0)
-        by_first = np.argsort(first, kind="stable")
-        s.counters.pairs[0] = used
-        self._make_room()
-        s.pairs.first[:used], s.pairs.second[:used] = first[by_first], second[by_first]
-        s.pairs.reach[:used] = before.pairs.reach[:used][by_first]
-        s.pairs.start[:] = np.searchsorted(s.pairs.first[:used], np.arange(len(s.order) + 1))
-        for mine, theirs in zip(s.memory, before.memory, strict=True):
-            if mine is not None and theirs is not None:
-                mine[:used] = theirs[:used][by_first]
-        for mine, theirs in zip(s.wall_memory, before.wall_memory, strict=True):
-            if mine is not None and theirs is not None and mine.shape == theirs.shape:
-                mine[:, moved] = theirs
 
     def _build(self, start):
         """The first neighbour list; at the very start of a simulation also a look for overlaps that would fly apart."""
         s = self._state
-        while (code := self._rebuild()) == LIST_FULL:
-            self._make_room()
+        while (code := new_list(s)) == LIST_FULL:
+            make_room(s)
         if not start:
             self._raise_unless_done(code)
             return
@@ -142,34 +85,6 @@ class Simulation:
         if code != DONE:
             x, y = self.position[i]
             raise InputError(f"Simulation: grain {i} at ({x:.6g}, {y:.6g}) m {STARTS[code]} at the start")
-
-    def _rebuild(self):
-        s = self._state
-        return rebuild(s.body, s.pairs, s.wall_list, s.memory, s.boundary, s.movable, s.skin, s.ledger, s.counters)
-
-    def _make_room(self):
-        """Longer arrays for the list and its memory, with a reserve of a quarter."""
-        s = self._state
-        used = int(s.pairs.start[-1])
-        longer = empty_pair_list(len(self.grains), int(1.25 * s.counters.pairs[0]) + 64)
-        longer.first[:used] = s.pairs.first[:used]
-        longer.second[:used] = s.pairs.second[:used]
-        longer.reach[:used] = s.pairs.reach[:used]
-        s.pairs = PairList(longer.first, longer.second, longer.reach, s.pairs.start)
-        kept = s.memory
-        s.memory = memory_of(longer.first.size, *(part is not None for part in kept))
-        for mine, theirs in zip(s.memory, kept, strict=True):
-            if theirs is not None:
-                mine[:used] = theirs[:used]
-
-    def _force(self):
-        """Forces at the present positions and velocities; springs do not stretch in no time."""
-        s = self._state
-        s.body.forces[:] = 0.0
-        add_all_forces(
-            s.body, s.spin, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.drag, s.boundary,
-            s.movable, s.ledger, s.out, 0.0,
-        )  # fmt: skip
 
     def _raise_unless_done(self, code):
         if code != DONE:
@@ -208,7 +123,7 @@ class Simulation:
             s.boundary, s.movable, s.skin, s.reach, s.step_limit, s.ledger, s.out, s.counters, self.dt, steps,
         )  # fmt: skip
         if code == LIST_FULL:
-            self._make_room()
+            make_room(s)
             return
         self._raise_unless_done(code)
         seconds = time.perf_counter() - clock
@@ -345,32 +260,16 @@ class Simulation:
         walls, driven grains and the periodic lattice have done on the free grains, and the `imbalance` of the whole book, which is 0 but
         for the error of the time step.
         """
-        s = self._state
-        energy = {
-            "kinetic": self.kinetic_energy(),
-            "elastic": float(
-                stored_in_contacts(
-                    s.body, s.pairs, s.wall_list, s.memory, s.wall_memory, s.normal, s.friction, s.wall_friction, s.boundary, s.out
-                )
-            ),
-        }
-        if s.gravity is not None:
-            rows = s.body.rows[: s.movable]
-            energy["potential"] = float(-np.sum(rows[:, :2] @ np.array(s.gravity) / rows[:, INVERSE_MASS]))
-        if s.ledger is not None:
-            present = sum(energy.values())
-            energy |= dict(zip(SUMS, s.ledger.tolist(), strict=False))
-            energy["imbalance"] = present + sum(s.ledger[:BOUNDARY]) - s.ledger[BOUNDARY] - s.energy_at_start
-        return energy
+        return energies(self._state)
 
     def kinetic_energy(self):
         """Kinetic energy of the movable grains in J, spin included where it takes part."""
-        s = self._state
-        rows = s.body.rows[: s.movable]
-        energy = 0.5 * np.sum((rows[:, 2] ** 2 + rows[:, 3] ** 2) / rows[:, INVERSE_MASS])
-        if s.spin is not None:
-            energy += 0.5 * np.sum(rows[:, SPIN] ** 2 / rows[:, INVERSE_INERTIA])
-        return float(energy)
+        return kinetic_energy(self._state)
+
+    def coordination_number(self):
+        """Mean number of contacts of a movable grain, those with walls and driven grains included; 0 without contacts."""
+        pairs = contact_table(self._state)[0]
+        return float(np.count_nonzero((pairs >= 0) & (pairs < self._state.movable)) / max(self._state.movable, 1))
 
     def snapshot(self):
         """The present state as a Snapshot, contacts included. Nothing of the run is changed by it."""
@@ -381,18 +280,3 @@ class Simulation:
             self.position, self.grains.radius, self.grains.mass, self.velocity, self.spin, pairs, force, point, overlap,
             cell=cell, volume=volume, fixed=fixed, time=self.time,
         )  # fmt: skip
-
-
-def memory_of(shape, remembers, rubs, accounted):
-    """Contact memory of that shape for the effects that want it."""
-    of_ledger = (*np.atleast_1d(shape), 3)
-    return Memory(*(np.zeros(size) if wanted else None for size, wanted in ((shape, remembers), (shape, rubs), (of_ledger, accounted))))
-
-
-def memory_order(position, movable, reach):
-    """The order in which the grains are kept, (N,): row by row of square cells, so that neighbours in space are neighbours in memory.
-
-    Driven grains stay the last ones, in their own order.
-    """
-    row, column = (np.floor(position[:movable, axis] / reach) for axis in (1, 0))
-    return np.concatenate([np.lexsort((column, row)), np.arange(movable, len(position))]).astype(np.int64)
