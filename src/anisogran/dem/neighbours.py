@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.dem.kernel import subkernel
+from anisogran.dem.rows import aligned_zeros
 
 
 class PairList(NamedTuple):
@@ -24,8 +25,8 @@ class PairList(NamedTuple):
 def empty_pair_list(grains, capacity):
     """A list without pairs, with room for at least `capacity` of them; a multiple of eight, and every entry the number of a grain."""
     capacity = -(-capacity // 8) * 8
-    indices = (np.zeros(capacity, np.uint32) for _ in range(2))
-    return PairList(*indices, np.zeros(capacity), np.zeros(grains + 1, np.int64))
+    indices = (aligned_zeros(capacity, np.uint32) for _ in range(2))
+    return PairList(*indices, aligned_zeros(capacity), np.zeros(grains + 1, np.int64))
 
 
 @subkernel

@@ -12,7 +12,7 @@ import numpy as np
 
 from anisogran.dem.kernel import kernel, subkernel, unaliased
 from anisogran.dem.laws import normal_force, tangential_force
-from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN, aligned_zeros
 
 BLOCK = 256  # pairs; the columns of pairs and of forces take 25 kB
 
@@ -29,8 +29,8 @@ class Scratch(NamedTuple):
 
 def scratch(virial, whole):
     """Columns for one block: is the stress asked for, and does a law want more than positions and velocities?"""
-    stresses = (np.zeros(BLOCK) if virial else None for _ in range(2))
-    return Scratch(np.zeros((8, BLOCK)), np.zeros((4, BLOCK)), *stresses, 1.0 if whole else None)
+    stresses = (aligned_zeros(BLOCK) if virial else None for _ in range(2))
+    return Scratch(aligned_zeros((8, BLOCK)), aligned_zeros((4, BLOCK)), *stresses, 1.0 if whole else None)
 
 
 @kernel

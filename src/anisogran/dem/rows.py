@@ -22,12 +22,17 @@ CACHED = 50_000  # grains; with more of them the rows are in main memory
 AHEAD = 64  # pairs: there, rows are asked for that much before they are read
 
 
+def aligned_zeros(shape, dtype=float):
+    """Zeros that begin on a cache line (64 bytes), so that no row and no vector of eight lies across two of them."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    room = np.zeros(size + 64, np.uint8)
+    begin = -room.ctypes.data % 64
+    return room[begin : begin + size].view(dtype).reshape(shape)
+
+
 def grain_rows(grains, order):
-    """The rows (N, 8) of the grains in that order, each beginning on a boundary of 64 bytes."""
-    n = len(grains)
-    room = np.zeros(8 * n + 8)
-    begin = -room.ctypes.data % 64 // 8
-    rows = room[begin : begin + 8 * n].reshape(n, 8)
+    """The rows (N, 8) of the grains in that order."""
+    rows = aligned_zeros((len(grains), 8))
     rows[:, :2] = grains.position
     rows[:, 2:4] = grains.velocity
     rows[:, RADIUS] = grains.radius
@@ -185,10 +190,12 @@ def _pair_columns(rows, first, second, begin, size, columns, whole):
     fetch = _fetch_lean if whole == types.none else _fetch_whole
 
     def compiled(rows, first, second, begin, size, columns, whole):
-        large = rows.shape[0] > CACHED
+        if rows.shape[0] <= CACHED:
+            for k in range(0, size, LANES):
+                fetch(rows, first, second, begin + k, columns, k)
+            return
         for k in range(0, size, LANES):
-            if large:
-                _ask_for_rows(rows, second, min(begin + k + AHEAD, second.size - LANES))
+            _ask_for_rows(rows, second, min(begin + k + AHEAD, second.size - LANES))
             fetch(rows, first, second, begin + k, columns, k)
 
     return compiled

@@ -218,7 +218,7 @@ class Simulation:
     def counters(self):
         """What happened so far: steps, lists built, lists built late, pairs in the list, and extremes; a dict.
 
-        deep_pairs: most pairs at one time that overlap by more than 5 % of the smaller radius, looked for every 20 steps;
+        deep_pairs: most pairs at one time that overlap by more than 5 % of the smaller radius, looked for every 30 steps;
         deepest_overlap (share of the smaller radius) and deepest_pair: the worst of them; longest_way: of a grain in one step, in m.
         """
         s = self._state

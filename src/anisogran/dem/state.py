@@ -8,7 +8,7 @@ from anisogran.dem.forces import Memory, add_all_forces
 from anisogran.dem.ledger import POWER_BEFORE
 from anisogran.dem.neighbours import PairList, empty_pair_list
 from anisogran.dem.pairs import scratch
-from anisogran.dem.rows import SPIN, grain_rows
+from anisogran.dem.rows import SPIN, aligned_zeros, grain_rows
 from anisogran.dem.stepping import Counters, body_of, rebuild
 from anisogran.dem.walls import empty_wall_list
 
@@ -108,8 +108,8 @@ def inherit(state, before):
 
 def memory_of(shape, remembers, rubs, accounted):
     """Contact memory of that shape for the effects that want it."""
-    of_ledger = (*np.atleast_1d(shape), 3)
-    return Memory(*(np.zeros(size) if wanted else None for size, wanted in ((shape, remembers), (shape, rubs), (of_ledger, accounted))))
+    shapes = (shape, shape, (*np.atleast_1d(shape), 3))
+    return Memory(*(aligned_zeros(size) if asked else None for size, asked in zip(shapes, (remembers, rubs, accounted), strict=True)))
 
 
 def memory_order(position, movable, reach):

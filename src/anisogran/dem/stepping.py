@@ -15,12 +15,12 @@ from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.ledger import BOUNDARY
 from anisogran.dem.neighbours import PairList, carry_over, find_pairs, overwrite
 from anisogran.dem.pairs import separation
-from anisogran.dem.rows import FX, FY, INVERSE_INERTIA, INVERSE_MASS, RADIUS, SPIN, TORQUE, VX, VY, X, Y
+from anisogran.dem.rows import FX, FY, INVERSE_INERTIA, INVERSE_MASS, RADIUS, SPIN, TORQUE, VX, VY, X, Y, aligned_zeros
 from anisogran.dem.walls import find_wall_contacts
 
 CHECK_EVERY = 10  # steps between two looks at how far the grains have moved since the list was built
 
-DEEP_EVERY = 20  # steps between two looks for overlaps that no contact law is meant for; a contact lasts fifty by default
+DEEP_EVERY = 30  # steps between two looks for overlaps that no contact law is meant for; a contact lasts fifty by default
 DEEP, TOO_DEEP = 0.05, 0.5  # shares of the smaller radius
 
 DONE, LIST_FULL, NOT_FINITE, DEEP_OVERLAP, OUTSIDE, TOO_FAST, CELL_TOO_SMALL = range(7)
@@ -43,7 +43,7 @@ class Body(NamedTuple):
 
 def body_of(rows):
     """A Body of these rows of grains, without forces."""
-    forces = np.zeros((len(rows), 4))
+    forces = aligned_zeros((len(rows), 4))
     columns = [rows[:, X], rows[:, Y], rows[:, VX], rows[:, VY], forces[:, FX], forces[:, FY], rows[:, RADIUS]]
     return Body(rows, forces, *columns, rows[:, :2].copy())
 
