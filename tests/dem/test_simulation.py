@@ -173,6 +173,7 @@ def test_bad_input_is_refused_before_the_first_step():
         ({"density": -2.0}, "density = -2 must be above 0 kg/m3"),
         ({"velocity": np.zeros((3, 2))}, r"velocity of shape \(3, 2\) does not fit \(2, 2\)"),
         ({"position": np.zeros((0, 2))}, r"must be \(N, 2\) with N > 0"),
+        ({"position": np.zeros((2, 3))}, r"must be \(N, 2\) with N > 0; three dimensions are not there yet"),
         ({"driven": 3}, "driven = 3 must be a whole number between 0"),
     ]:
         with pytest.raises(InputError, match=message):

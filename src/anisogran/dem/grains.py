@@ -43,7 +43,8 @@ class Grains:
         except ValueError:
             shape = "ragged"
         if len(shape) != 2 or shape[1] != 2 or shape[0] == 0:
-            raise InputError(f"Grains: position has shape {shape}; it must be (N, 2) with N > 0")
+            spheres = "; three dimensions are not there yet" if shape[1:] == (3,) else ""
+            raise InputError(f"Grains: position has shape {shape}; it must be (N, 2) with N > 0{spheres}")
         n = shape[0]
         radius = _array("radius", self.radius, (n,))
         mass = 4.0 / 3.0 * np.pi * checked("Grains", "density", self.density, above=0, unit="kg/m3") * radius**3
