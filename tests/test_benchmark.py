@@ -104,6 +104,13 @@ def test_a_packing_that_cannot_be_used_is_one_line(change, message, file, tmp_pa
     assert not out
 
 
+def test_bench_alone_tells_what_there_is(capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(["bench"])
+    assert end.value.code == 0
+    assert "Pure shear of a dense periodic packing" in capsys.readouterr().out
+
+
 def test_what_is_no_packing_is_one_line(file, tmp_path, capsys):
     (tmp_path / "text.npz").write_text("no packing")
     for arguments, message in [

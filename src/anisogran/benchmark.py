@@ -21,6 +21,12 @@ STEP = 1.44e-7  # s, a fiftieth of the contact time of the smallest pair
 SMALLEST, LARGEST, AREA_FRACTION = 0.5e-3, 1.5e-3, 0.86
 
 
+def check_effects(effects):
+    """Raises InputError if these are not effects that can be asked for."""
+    if effects not in EFFECTS:
+        raise InputError(f"--effects {effects}: must be one of {', '.join(EFFECTS)}")
+
+
 def read_packing(path):
     """Position (N, 2) in m, radius (N,) in m and side in m of the square periodic packing in an .npz file with `x` (N, 3), `r` (N,), `L`.
 
@@ -49,8 +55,7 @@ def made_packing(grains):
 
 def sheared_packing(position, radius, side, effects, rate):
     """The Simulation that is timed."""
-    if effects not in EFFECTS:
-        raise InputError(f"--effects {effects}: must be one of {', '.join(EFFECTS)}")
+    check_effects(effects)
     grains = Grains(position, radius, density=2000.0, velocity=position * [-rate, rate])
     damping = 3.5e4 * 0.5 * float(grains.mass.mean())
     normal = Luding(5e4, 1e5, 5e4, damping, plastic_depth=0.05) if effects == "luding" else Linear(1e5, damping)

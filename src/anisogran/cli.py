@@ -20,7 +20,7 @@ app = typer.Typer(
     help="From particle simulations to continuum theory for granular matter.", add_completion=False,
     pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
-bench = typer.Typer(help="How fast it is, on work that other codes have been timed on.", no_args_is_help=True, rich_markup_mode=None)
+bench = typer.Typer(help="How fast it is, on work that other codes have been timed on.", rich_markup_mode=None)
 app.add_typer(bench, name="bench")
 
 
@@ -62,6 +62,13 @@ def demo(
     summarise(findings, folder)
 
 
+@bench.callback(invoke_without_command=True)
+def bench_rooms(context: typer.Context):
+    """How fast it is, on work that other codes have been timed on."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
 @bench.command("dem")
 def bench_dem(
     packing: Annotated[Path | None, typer.Option(help="Packing to shear, .npz with x (N, 3), r (N,), L in m; default: made here.")] = None,
@@ -73,8 +80,9 @@ def bench_dem(
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
 ):
     """Pure shear of a dense periodic packing on one core: particle-steps a second, memory, neighbour lists."""
-    from anisogran.benchmark import dem_benchmark, made_packing, read_packing
+    from anisogran.benchmark import check_effects, dem_benchmark, made_packing, read_packing
 
+    check_effects(effects)
     if json_file is not None:
         from anisogran.files.numbers import check_writable
 

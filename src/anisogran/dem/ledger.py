@@ -20,9 +20,11 @@ SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "d
 
 
 @subkernel
-def normal_losses(normal, last, overlap, rate, largest, size, dt):
-    """One contact over one step: energy lost to the dashpot and to plasticity, mean forces of both, and the bound of friction."""
-    before = last[OVERLAP]
+def normal_losses(normal, before, viscous_before, overlap, rate, largest, size, dt):
+    """One contact over one step, from the overlap and the dashpot's force before it.
+
+    Energy lost to the dashpot and to plasticity, mean forces of spring and dashpot, present force of the dashpot, and bound of friction.
+    """
     spring_before = 0.0
     stored_before = 0.0
     if before > 0.0:
@@ -37,15 +39,14 @@ def normal_losses(normal, last, overlap, rate, largest, size, dt):
         stored = stored_energy(normal, overlap, memory, size)
         whole, bound, _ = normal_force(normal, overlap, rate, largest, size)
     elastic = 0.5 * (spring_before + spring)
-    viscous = 0.5 * (last[VISCOUS] + whole - spring)
-    last[OVERLAP] = overlap
-    last[VISCOUS] = whole - spring
-    return -viscous * rate * dt, elastic * (overlap - before) - (stored - stored_before), elastic, viscous, bound
+    viscous = 0.5 * (viscous_before + whole - spring)
+    plastic = elastic * (overlap - before) - (stored - stored_before)
+    return -viscous * rate * dt, plastic, elastic, viscous, whole - spring, bound
 
 
 @subkernel
-def tangential_losses(friction, closed, last, slip, spring, bound, dt):
-    """One contact over one step: energy lost to the tangential dashpot and to sliding, and the mean force.
+def tangential_losses(friction, closed, force_before, slip, spring, bound, dt):
+    """One contact over one step: energy lost to the tangential dashpot and to sliding, the mean force and the present one.
 
     An opening contact loses what its spring still holds.
     """
@@ -54,11 +55,10 @@ def tangential_losses(friction, closed, last, slip, spring, bound, dt):
     stretched = 0.0
     if closed:
         force, stretched = tangential_force(friction, spring, slip, bound, dt)
-    mean = 0.5 * (last[TANGENTIAL] + force)
-    last[TANGENTIAL] = force
+    mean = 0.5 * (force_before + force)
     lost = -mean * slip * dt - (tangential_energy(friction, stretched) - held)
     sticks = closed and abs(stretched - (spring + slip * dt)) <= 1e-12 * abs(stretched)  # all of the slip has gone into the spring
-    return lost if sticks else 0.0, 0.0 if sticks else lost, mean
+    return lost if sticks else 0.0, 0.0 if sticks else lost, mean, force
 
 
 @subkernel
@@ -76,7 +76,12 @@ def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, s
             memo = largest[k]
         difference = pairs[DIFFERENCE_RADIUS, k]
         size = pair_size(reach[k], difference)
-        viscous, plastic, mean, _, bound = normal_losses(normal, last[k], overlap, du * nx + dv * ny, memo, size, dt)
+        rate = du * nx + dv * ny
+        viscous, plastic, mean, _, last_viscous, bound = normal_losses(
+            normal, last[k, OVERLAP], last[k, VISCOUS], overlap, rate, memo, size, dt
+        )
+        last[k, OVERLAP] = overlap
+        last[k, VISCOUS] = last_viscous
         if dt > 0.0:  # else the book is only opened
             sums[DASHPOT] += viscous
             sums[PLASTICITY] += plastic
@@ -84,7 +89,9 @@ def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, s
                 sums[BOUNDARY] -= mean * (nx * cell.growth_x * dx + ny * cell.growth_y * dy)
         if friction is not None:
             slip = slip_velocity(nx, ny, du, dv, distance, difference, pairs[DIFFERENCE_SPIN, k], pairs[SUM_SPIN, k])
-            viscous, sliding, _ = tangential_losses(friction, overlap > 0.0, last[k], slip, spring[k], bound, dt)
+            viscous, sliding, _, last[k, TANGENTIAL] = tangential_losses(
+                friction, overlap > 0.0, last[k, TANGENTIAL], slip, spring[k], bound, dt
+            )
             if dt > 0.0:
                 sums[DASHPOT] += viscous
                 sums[FRICTION] += sliding
@@ -119,14 +126,20 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
             if largest is not None:
                 memo = largest[wall, i]
             rate = du * nx + dv * ny
-            viscous, plastic, elastic, damping, bound = normal_losses(normal, last[wall, i], overlap, rate, memo, 2.0 * radius, dt)
+            viscous, plastic, elastic, damping, last_viscous, bound = normal_losses(
+                normal, last[wall, i, OVERLAP], last[wall, i, VISCOUS], overlap, rate, memo, 2.0 * radius, dt
+            )
+            last[wall, i, OVERLAP] = overlap
+            last[wall, i, VISCOUS] = last_viscous
             if dt > 0.0:
                 sums[DASHPOT] += viscous
                 sums[PLASTICITY] += plastic
                 sums[BOUNDARY] -= (elastic + damping) * (wall_vx * nx + wall_vy * ny) * dt
             if friction is not None:
                 slip = dv * nx - du * ny - (radius - 0.5 * overlap) * spin[i]
-                viscous, sliding, ft = tangential_losses(friction, overlap > 0.0, last[wall, i], slip, spring[wall, i], bound, dt)
+                viscous, sliding, ft, last[wall, i, TANGENTIAL] = tangential_losses(
+                    friction, overlap > 0.0, last[wall, i, TANGENTIAL], slip, spring[wall, i], bound, dt
+                )
                 if dt > 0.0:
                     sums[DASHPOT] += viscous
                     sums[FRICTION] += sliding
