@@ -108,7 +108,7 @@ def test_the_ledger_changes_nothing(rng):
     for sim in (quiet, booked):
         sim.run(3000)
     np.testing.assert_array_equal(state(quiet), state(booked))
-    assert quiet._state.memory.last is None
+    assert quiet._state.memory.overlap is None
     assert quiet._state.ledger is None
     assert set(quiet.energy()) == {"kinetic", "elastic"}
     assert quiet.energy()["elastic"] == booked.energy()["elastic"]

@@ -218,7 +218,7 @@ def minimise(body, radius, boundary, box, walls, pairs, movable, skin, cap, pres
             fire[SIZE] = 1.0
         body.forces[:] = 0.0
         push_from_walls(boundary, walls, body, movable)
-        add_pair_forces(body, pairs, Memory(None, None, None), SPRING, None, lattice(boundary), virial, None, out, 0.0)
+        add_pair_forces(body, pairs, Memory(None, None, None, None, None), SPRING, None, lattice(boundary), virial, None, out, 0.0)
         push = breath_push(box, pressure, virial)
         power, square_force, square_velocity = sums(body.rows, body.forces, movable)
         power += push * fire[BREATHING]

@@ -11,7 +11,7 @@ import numpy as np
 
 from anisogran.dem.boundaries import lattice, stress_sums
 from anisogran.dem.kernel import block, kernel, subkernel
-from anisogran.dem.ledger import account_grains, account_images, account_pairs, account_walls
+from anisogran.dem.ledger import account_grains, account_images, account_pairs, account_walls, add_losses
 from anisogran.dem.pairs import BLOCK, pair_forces
 from anisogran.dem.rows import add_to_rows, pair_columns
 from anisogran.dem.walls import add_wall_forces
@@ -22,7 +22,9 @@ class Memory(NamedTuple):
 
     largest: np.ndarray | None  # largest overlap, m
     spring: np.ndarray | None  # stretch of the tangential spring, m
-    last: np.ndarray | None  # (..., 3) what the energy ledger remembers of the last step
+    overlap: np.ndarray | None  # for the energy ledger: overlap in the last step, 0 where open, m
+    viscous: np.ndarray | None  # force of the normal dashpot then, N
+    tangential: np.ndarray | None  # tangential force then, N
 
 
 @subkernel
@@ -38,10 +40,13 @@ def add_pair_forces(body, pairs, memory, normal, friction, cell, virial, ledger,
         largest = block(memory.largest, begin, begin + size)
         spring = block(memory.spring, begin, begin + size)
         if ledger is not None:
-            account_pairs(out.pairs, reach, normal, friction, cell, largest, spring, memory.last[begin : begin + size], ledger, dt)
+            overlap, viscous = memory.overlap[begin : begin + size], memory.viscous[begin : begin + size]
+            tangential = block(memory.tangential, begin, begin + size)
+            account_pairs(out.pairs, reach, normal, friction, cell, largest, spring, overlap, viscous, tangential, out.losses, dt)
+            add_losses(out.losses, size, ledger, dt)
         pair_forces(out.pairs, reach, normal, friction, cell, largest, spring, virial, out, dt)
         if ledger is not None:
-            account_images(out.pairs, size, cell, out.force, ledger)
+            account_images(out.pairs, size, cell, out.force, out.losses, ledger)
         add_to_rows(body.forces, pairs.first, pairs.second, begin, size, out.force, friction)
         if virial is not None:
             for k in range(size):
@@ -61,7 +66,10 @@ def add_all_forces(
     largest = wall_memory.largest
     spring = wall_memory.spring
     if ledger is not None:
-        account_walls(boundary, body, spin, wall_list, normal, wall_friction, largest, spring, wall_memory.last, ledger, dt)
+        account_walls(
+            boundary, body, spin, wall_list, normal, wall_friction, largest, spring, wall_memory.overlap, wall_memory.viscous,
+            wall_memory.tangential, ledger, dt,
+        )  # fmt: skip
     add_wall_forces(boundary, body, spin, wall_list, normal, wall_friction, largest, spring, dt)
     add_pair_forces(body, pairs, memory, normal, friction, lattice(boundary), stress_sums(boundary), ledger, out, dt)
     if ledger is not None:

@@ -2,18 +2,17 @@
 
 It looks at each contact before its forces are computed, with the memory of the step before, and touches nothing but its own arrays: a run
 gives the same bits with and without it. The work of a force over a step is the mean of its values before and after, times the way, just
-as the time stepping has it; for that a contact remembers its overlap and the forces of its dashpot and of its friction (LAST).
+as the time stepping has it; for that a contact remembers its overlap and the forces of its dashpot and of its friction.
 """
 
 import math
 
 from anisogran.dem.boundaries import lattice, touch
-from anisogran.dem.kernel import block, kernel, subkernel
+from anisogran.dem.kernel import block, kernel, subkernel, unaliased
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
 
-OVERLAP, VISCOUS, TANGENTIAL = range(3)  # what a contact remembers of the last step: m, N, N
 DASHPOT, FRICTION, PLASTICITY, DRAG, BOUNDARY = range(5)
 POWER, POWER_BEFORE = 5, 6  # W: of the boundary, through lattice and driven grains, in this step and in the one before
 SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "dissipated_drag", "boundary_work")
@@ -21,27 +20,20 @@ SUMS = ("dissipated_dashpot", "dissipated_friction", "dissipated_plasticity", "d
 
 @subkernel
 def normal_losses(normal, before, viscous_before, overlap, rate, largest, size, dt):
-    """One contact over one step, from the overlap and the dashpot's force before it.
+    """One contact over one step, from the overlap (0 where open) and the dashpot's force before it, without a branch.
 
     Energy lost to the dashpot and to plasticity, mean forces of spring and dashpot, present force of the dashpot, and bound of friction.
     """
-    spring_before = 0.0
-    stored_before = 0.0
-    if before > 0.0:
-        spring_before, _, _ = normal_force(normal, before, 0.0, largest, size)
-        stored_before = stored_energy(normal, before, largest, size)
-    spring = 0.0
-    stored = 0.0
-    whole = 0.0
-    bound = 0.0
-    if overlap > 0.0:
-        spring, _, memory = normal_force(normal, overlap, 0.0, largest, size)
-        stored = stored_energy(normal, overlap, memory, size)
-        whole, bound, _ = normal_force(normal, overlap, rate, largest, size)
-    elastic = 0.5 * (spring_before + spring)
-    viscous = 0.5 * (viscous_before + whole - spring)
-    plastic = elastic * (overlap - before) - (stored - stored_before)
-    return -viscous * rate * dt, plastic, elastic, viscous, whole - spring, bound
+    was = 1.0 if before > 0.0 else 0.0
+    touches = 1.0 if overlap > 0.0 else 0.0
+    spring_before, _, _ = normal_force(normal, before, 0.0, largest, size)
+    spring, _, memory = normal_force(normal, overlap, 0.0, largest, size)
+    whole, bound, _ = normal_force(normal, overlap, rate, largest, size)
+    elastic = 0.5 * (was * spring_before + touches * spring)
+    damping = touches * (whole - spring)
+    viscous = 0.5 * (viscous_before + damping)
+    gain = touches * stored_energy(normal, overlap, memory, size) - was * stored_energy(normal, before, largest, size)
+    return -viscous * rate * dt, elastic * (overlap - before) - gain, elastic, viscous, damping, touches * bound
 
 
 @subkernel
@@ -50,66 +42,88 @@ def tangential_losses(friction, closed, force_before, slip, spring, bound, dt):
 
     An opening contact loses what its spring still holds.
     """
-    held = tangential_energy(friction, spring)
-    force = 0.0
-    stretched = 0.0
-    if closed:
-        force, stretched = tangential_force(friction, spring, slip, bound, dt)
-    mean = 0.5 * (force_before + force)
-    lost = -mean * slip * dt - (tangential_energy(friction, stretched) - held)
+    touches = 1.0 if closed else 0.0
+    force, stretched = tangential_force(friction, spring, slip, bound, dt)
     sticks = closed and abs(stretched - (spring + slip * dt)) <= 1e-12 * abs(stretched)  # all of the slip has gone into the spring
+    force *= touches
+    mean = 0.5 * (force_before + force)
+    lost = -mean * slip * dt - (tangential_energy(friction, touches * stretched) - tangential_energy(friction, spring))
     return lost if sticks else 0.0, 0.0 if sticks else lost, mean, force
 
 
 @subkernel
-def account_pairs(pairs, reach, normal, friction, cell, largest, spring, last, sums, dt):
-    """A block of pairs, before their forces: the losses of this step into `sums`, what the next step wants to know into `last`."""
+def account_pairs(pairs, reach, normal, friction, cell, largest, spring, overlaps, viscous, tangential, losses, dt):
+    """A block of pairs, before their forces: what this step takes from each, into the columns of `losses`; one pass of vectors."""
+    seen = unaliased(overlaps)
+    damped = unaliased(viscous)
+    rubbed = unaliased(tangential)
+    dashpot = unaliased(losses[DASHPOT])
+    plasticity = unaliased(losses[PLASTICITY])
+    sliding = unaliased(losses[FRICTION])
+    boundary = unaliased(losses[BOUNDARY])
+    x = pairs[DX]
+    y = pairs[DY]
+    u = pairs[DU]
+    v = pairs[DV]
+    difference_radius = pairs[DIFFERENCE_RADIUS]
+    difference_spin = pairs[DIFFERENCE_SPIN]
+    sum_spin = pairs[SUM_SPIN]
     for k in range(reach.size):
-        dx, dy, du, dv = separation(cell, pairs[DX, k], pairs[DY, k], pairs[DU, k], pairs[DV, k])
+        dx, dy, du, dv = separation(cell, x[k], y[k], u[k], v[k])
         distance = math.sqrt(dx * dx + dy * dy)
-        overlap = max(reach[k] - distance, 0.0)
-        if overlap == 0.0 and last[k, OVERLAP] == 0.0:
-            continue
         nx, ny = direction(dx, dy, distance)
+        overlap = reach[k] - distance
+        overlap = overlap if overlap > 0.0 else 0.0
         memo = 0.0
         if largest is not None:
             memo = largest[k]
-        difference = pairs[DIFFERENCE_RADIUS, k]
-        size = pair_size(reach[k], difference)
-        rate = du * nx + dv * ny
-        viscous, plastic, mean, _, last_viscous, bound = normal_losses(
-            normal, last[k, OVERLAP], last[k, VISCOUS], overlap, rate, memo, size, dt
-        )
-        last[k, OVERLAP] = overlap
-        last[k, VISCOUS] = last_viscous
-        if dt > 0.0:  # else the book is only opened
-            sums[DASHPOT] += viscous
-            sums[PLASTICITY] += plastic
-            if cell is not None:  # under pressure it carries the grains along, which no velocity tells
-                sums[BOUNDARY] -= mean * (nx * cell.growth_x * dx + ny * cell.growth_y * dy)
+        size = pair_size(reach[k], difference_radius[k])
+        lost, plastic, mean, _, damping, bound = normal_losses(normal, seen[k], damped[k], overlap, du * nx + dv * ny, memo, size, dt)
+        seen[k] = overlap
+        damped[k] = damping
         if friction is not None:
-            slip = slip_velocity(nx, ny, du, dv, distance, difference, pairs[DIFFERENCE_SPIN, k], pairs[SUM_SPIN, k])
-            viscous, sliding, _, last[k, TANGENTIAL] = tangential_losses(
-                friction, overlap > 0.0, last[k, TANGENTIAL], slip, spring[k], bound, dt
-            )
-            if dt > 0.0:
-                sums[DASHPOT] += viscous
-                sums[FRICTION] += sliding
+            slip = slip_velocity(nx, ny, du, dv, distance, difference_radius[k], difference_spin[k], sum_spin[k])
+            stuck, slid, _, force = tangential_losses(friction, overlap > 0.0, rubbed[k], slip, spring[k], bound, dt)
+            rubbed[k] = force
+            lost += stuck
+            sliding[k] = slid
+        dashpot[k] = lost
+        plasticity[k] = plastic
+        if cell is not None:  # under pressure it carries the grains along, which no velocity tells
+            boundary[k] = -mean * (nx * cell.growth_x * dx + ny * cell.growth_y * dy)
 
 
 @subkernel
-def account_images(pairs, size, cell, force, sums):
+def add_losses(losses, size, sums, dt):
+    """Adds the columns of a block to the sums, pair by pair; in a step of no time the book is only opened."""
+    if dt > 0.0:
+        for k in range(size):
+            sums[DASHPOT] += losses[DASHPOT, k]
+            sums[FRICTION] += losses[FRICTION, k]
+            sums[PLASTICITY] += losses[PLASTICITY, k]
+            sums[BOUNDARY] += losses[BOUNDARY, k]
+
+
+@subkernel
+def account_images(pairs, size, cell, force, losses, sums):
     """A block of pairs, after their forces: the power of the moving lattice, since an image is faster than its original."""
     if cell is not None:
+        power = unaliased(losses[BOUNDARY])
+        x = pairs[DX]
+        y = pairs[DY]
+        u = pairs[DU]
+        v = pairs[DV]
+        fx = force[FX]
+        fy = force[FY]
         for k in range(size):
-            u = pairs[DU, k]
-            v = pairs[DV, k]
-            _, _, du, dv = separation(cell, pairs[DX, k], pairs[DY, k], u, v)
-            sums[POWER] -= force[FX, k] * (du - u) + force[FY, k] * (dv - v)
+            _, _, du, dv = separation(cell, x[k], y[k], u[k], v[k])
+            power[k] = fx[k] * (du - u[k]) + fy[k] * (dv - v[k])
+        for k in range(size):
+            sums[POWER] -= power[k]
 
 
 @subkernel
-def account_walls(boundary, body, spin, wall_list, normal, friction, largest, spring, last, sums, dt):
+def account_walls(boundary, body, spin, wall_list, normal, friction, largest, spring, overlaps, viscous, tangential, sums, dt):
     """The contacts with walls, before their forces: losses, and the work of moving walls."""
     if wall_list is not None:
         for k in range(wall_list.size[0]):
@@ -118,32 +132,31 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
             radius = body.radius[i]
             overlap, nx, ny, wall_vx, wall_vy = touch(boundary, wall, body.x[i], body.y[i], radius)
             overlap = max(overlap, 0.0)
-            if overlap == 0.0 and last[wall, i, OVERLAP] == 0.0:
+            before = overlaps[wall, i]
+            if overlap == 0.0 and before == 0.0:
                 continue
             du = wall_vx - body.vx[i]
             dv = wall_vy - body.vy[i]
             memo = 0.0
             if largest is not None:
                 memo = largest[wall, i]
-            rate = du * nx + dv * ny
-            viscous, plastic, elastic, damping, last_viscous, bound = normal_losses(
-                normal, last[wall, i, OVERLAP], last[wall, i, VISCOUS], overlap, rate, memo, 2.0 * radius, dt
+            lost, plastic, elastic, drag, damping, bound = normal_losses(
+                normal, before, viscous[wall, i], overlap, du * nx + dv * ny, memo, 2.0 * radius, dt
             )
-            last[wall, i, OVERLAP] = overlap
-            last[wall, i, VISCOUS] = last_viscous
-            if dt > 0.0:
-                sums[DASHPOT] += viscous
+            overlaps[wall, i] = overlap
+            viscous[wall, i] = damping
+            if dt > 0.0:  # else the book is only opened
+                sums[DASHPOT] += lost
                 sums[PLASTICITY] += plastic
-                sums[BOUNDARY] -= (elastic + damping) * (wall_vx * nx + wall_vy * ny) * dt
+                sums[BOUNDARY] -= (elastic + drag) * (wall_vx * nx + wall_vy * ny) * dt
             if friction is not None:
                 slip = dv * nx - du * ny - (radius - 0.5 * overlap) * spin[i]
-                viscous, sliding, ft, last[wall, i, TANGENTIAL] = tangential_losses(
-                    friction, overlap > 0.0, last[wall, i, TANGENTIAL], slip, spring[wall, i], bound, dt
-                )
+                stuck, slid, mean, force = tangential_losses(friction, overlap > 0.0, tangential[wall, i], slip, spring[wall, i], bound, dt)
+                tangential[wall, i] = force
                 if dt > 0.0:
-                    sums[DASHPOT] += viscous
-                    sums[FRICTION] += sliding
-                    sums[BOUNDARY] -= ft * (wall_vy * nx - wall_vx * ny) * dt
+                    sums[DASHPOT] += stuck
+                    sums[FRICTION] += slid
+                    sums[BOUNDARY] -= mean * (wall_vy * nx - wall_vx * ny) * dt
 
 
 @subkernel

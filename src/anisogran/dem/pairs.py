@@ -25,12 +25,19 @@ class Scratch(NamedTuple):
     virial_x: np.ndarray | None  # (BLOCK,) force times branch
     virial_y: np.ndarray | None
     whole: float | None  # None: only positions and velocities are fetched
+    losses: np.ndarray | None  # (5, BLOCK) J, see ledger.py
 
 
-def scratch(virial, whole):
-    """Columns for one block: is the stress asked for, and does a law want more than positions and velocities?"""
+def scratch(virial, whole, ledger=False):
+    """Columns for one block: is the stress asked for, does a law want more than positions and velocities, is a book of energies kept?"""
     stresses = (aligned_zeros(BLOCK) if virial else None for _ in range(2))
-    return Scratch(aligned_zeros((8, BLOCK)), aligned_zeros((4, BLOCK)), *stresses, 1.0 if whole else None)
+    return Scratch(
+        aligned_zeros((8, BLOCK)),
+        aligned_zeros((4, BLOCK)),
+        *stresses,
+        1.0 if whole else None,
+        aligned_zeros((5, BLOCK)) if ledger else None,
+    )
 
 
 @kernel

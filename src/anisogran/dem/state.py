@@ -46,7 +46,7 @@ def new_state(grains, effects, boundary, skin, ledger, capacity=None):
         step_limit=0.5 * float(grains.radius.min()),
         ledger=np.zeros(POWER_BEFORE + 1) if ledger else None,
         energy_at_start=0.0,
-        out=scratch(virial=getattr(moving, "virial", None) is not None, whole=friction is not None or normal.sees_size),
+        out=scratch(getattr(moving, "virial", None) is not None, friction is not None or normal.sees_size, ledger),
         counters=Counters.zero(),
     )
 
@@ -77,7 +77,7 @@ def make_room(state):
     longer.reach[:used] = s.pairs.reach[:used]
     s.pairs = PairList(longer.first, longer.second, longer.reach, s.pairs.start)
     kept = s.memory
-    s.memory = memory_of(longer.first.size, *(part is not None for part in kept))
+    s.memory = memory_of(longer.first.size, kept.largest is not None, kept.spring is not None, kept.overlap is not None)
     for mine, theirs in zip(s.memory, kept, strict=True):
         if theirs is not None:
             mine[:used] = theirs[:used]
@@ -108,8 +108,8 @@ def inherit(state, before):
 
 def memory_of(shape, remembers, rubs, accounted):
     """Contact memory of that shape for the effects that want it."""
-    shapes = (shape, shape, (*np.atleast_1d(shape), 3))
-    return Memory(*(aligned_zeros(size) if asked else None for size, asked in zip(shapes, (remembers, rubs, accounted), strict=True)))
+    asked = (remembers, rubs, accounted, accounted, accounted and rubs)
+    return Memory(*(aligned_zeros(shape) if wanted else None for wanted in asked))
 
 
 def memory_order(position, movable, reach):

@@ -206,7 +206,9 @@ def rebuild(body, pairs, wall_list, memory, boundary, movable, skin, ledger, cou
         return LIST_FULL
     carry_over(old, pairs, memory.largest)
     carry_over(old, pairs, memory.spring)
-    carry_over(old, pairs, memory.last)
+    carry_over(old, pairs, memory.overlap)
+    carry_over(old, pairs, memory.viscous)
+    carry_over(old, pairs, memory.tangential)
     counters.builds[0] += 1
     remember_places(body)
     counters.travel[0] = 0.0
