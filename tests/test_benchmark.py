@@ -70,7 +70,7 @@ def test_the_work_is_pure_shear_with_the_effects_asked_for(effects, packing):
 
 
 def test_the_command_writes_what_it_promises(file, tmp_path, capsys):
-    code, out, _ = run(capsys, "--packing", file, "--steps", 40, "--warmup", 20, "--json", tmp_path / "n.json")
+    code, out, _ = run(capsys, "--packing", file, "--steps", 40, "--warmup", 20, "--ledger", "--json", tmp_path / "n.json")
     numbers = json.loads((tmp_path / "n.json").read_text())
     assert code == 0
     assert set(numbers) > KEYS
@@ -79,6 +79,7 @@ def test_the_command_writes_what_it_promises(file, tmp_path, capsys):
     assert 1.7 < numbers["contacts_per_grain"] < 2.5  # 4.27/2 in large packings of this density; 200 grains scatter by 0.1
     assert numbers["contacts_per_grain"] < numbers["pairs_per_grain"] < 3.5
     assert numbers["late_builds"] == 0
+    assert numbers["ledger"] is True
     assert numbers["bytes_per_grain"] < 600
 
 

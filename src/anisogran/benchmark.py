@@ -53,17 +53,17 @@ def made_packing(grains):
     return (place[:, None] + made.position).reshape(-1, 2), np.tile(radius, tiles**2), tiles * made.width
 
 
-def sheared_packing(position, radius, side, effects, rate):
+def sheared_packing(position, radius, side, effects, rate, ledger=False):
     """The Simulation that is timed."""
     check_effects(effects)
     grains = Grains(position, radius, density=2000.0, velocity=position * [-rate, rate])
     damping = 3.5e4 * 0.5 * float(grains.mass.mean())
     normal = Luding(5e4, 1e5, 5e4, damping, plastic_depth=0.05) if effects == "luding" else Linear(1e5, damping)
     friction = None if effects == "frictionless" else Friction(2e4, 0.5, damping=0.5 * damping)
-    return Simulation(grains, normal, friction, boundary=Periodic(side, side, stretch_rate=(-rate, rate)), dt=STEP)
+    return Simulation(grains, normal, friction, boundary=Periodic(side, side, stretch_rate=(-rate, rate)), dt=STEP, ledger=ledger)
 
 
-def dem_benchmark(position, radius, side, effects, steps, warmup=300, rate=5.0):
+def dem_benchmark(position, radius, side, effects, steps, warmup=300, rate=5.0, ledger=False):
     """The work of `steps` steps after `warmup` untimed ones, a dict: particle_steps_per_s, seconds, pairs and contacts a grain, ...
 
     first_step_s is the processor time from the start of the process to the end of the first step, compilation included; rebuilds and
@@ -71,7 +71,7 @@ def dem_benchmark(position, radius, side, effects, steps, warmup=300, rate=5.0):
     """
     checked("bench", "--steps", steps, at_least=1)
     checked("bench", "--warmup", warmup, at_least=0)
-    simulation = sheared_packing(position, radius, side, effects, checked("bench", "--rate", rate, unit="1/s"))
+    simulation = sheared_packing(position, radius, side, effects, checked("bench", "--rate", rate, unit="1/s"), ledger)
     simulation.run(1)
     first_step = time.process_time()
     simulation.run(warmup)
@@ -83,6 +83,7 @@ def dem_benchmark(position, radius, side, effects, steps, warmup=300, rate=5.0):
     n = len(radius)
     return {
         "effects": effects,
+        "ledger": ledger,
         "grains": n,
         "dimension": 2,
         "steps": steps,

@@ -77,6 +77,7 @@ def bench_dem(
     steps: Annotated[int, typer.Option(help="Steps that are timed.", min=1)] = 2000,
     warmup: Annotated[int, typer.Option(help="Steps before.", min=0)] = 300,
     rate: Annotated[float, typer.Option(help="Rate of the pure shear, 1/s.")] = 5.0,
+    ledger: Annotated[bool, typer.Option("--ledger", help="Keep the book of energies as well.")] = False,
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
 ):
     """Pure shear of a dense periodic packing on one core: particle-steps a second, memory, neighbour lists."""
@@ -87,7 +88,7 @@ def bench_dem(
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
-    numbers = dem_benchmark(*(made_packing(grains) if packing is None else read_packing(packing)), effects, steps, warmup, rate)
+    numbers = dem_benchmark(*(made_packing(grains) if packing is None else read_packing(packing)), effects, steps, warmup, rate, ledger)
     if json_file is not None:
         from anisogran.files import write_json
 

@@ -1,13 +1,18 @@
 """The energy ledger: closed forms for two grains, and a book that balances to second order in the step, whatever moves the boundary."""
 
 import math
+import re
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
-from crowds import FRICTION, LAW, crowd, state
+from crowds import EVERY_LAW, FRICTION, LAW, crowd, state
 
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Open, Periodic, Pressure, Ring, Simulation, collision_time
+from anisogran.dem.kernel import OPTIONS
+from anisogran.dem.ledger import account_pairs
+from anisogran.dem.pairs import scratch
 
 RUBBING = Friction(2e4, 0.5, damping=0.05)
 BOUNDARIES = {
@@ -112,6 +117,20 @@ def test_the_ledger_changes_nothing(rng):
     assert quiet._state.ledger is None
     assert set(quiet.energy()) == {"kinetic", "elastic"}
     assert quiet.energy()["elastic"] == booked.energy()["elastic"]
+
+
+@pytest.mark.parametrize("name", EVERY_LAW)
+def test_the_book_is_kept_in_vectors(name):
+    """The assembly of the pass over a block holds a packed square root, for every law: the book costs about as much as the forces."""
+    if numba.config.DISABLE_JIT:
+        pytest.skip("nothing is compiled with NUMBA_DISABLE_JIT")
+    law, columns = EVERY_LAW[name], [np.zeros(8) for _ in range(5)]
+    fresh = numba.njit(**OPTIONS)(account_pairs.py_func)  # code from the disk cache cannot be inspected
+    largest = columns[0] if law.remembers else None
+    out = scratch(virial=False, whole=True, ledger=True)
+    fresh(out.pairs, np.ones(0), law.parameters(), FRICTION.parameters(), None, largest, *columns[1:], out.losses, 0.0)
+    (text,) = fresh.inspect_asm().values()
+    assert "sqrtpd" in text or re.search(r"fsqrt\s+v\d+\.2d", text)  # x86, Arm
 
 
 def test_the_next_stage_opens_a_new_book():
