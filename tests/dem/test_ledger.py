@@ -17,7 +17,7 @@ from anisogran.dem.pairs import scratch
 RUBBING = Friction(2e4, 0.5, damping=0.05)
 BOUNDARIES = {
     "open": lambda side: Open(),
-    "box": lambda side: Box(side, side, right=Pressure(500.0, 1e-4, 0.5), top=Cosine(side, 0.8 * side, 0.002)),
+    "box": lambda side: Box(side, side, right=Pressure(500.0, 1e-4, 0.5), top=Cosine(side, 0.8 * side, 0.002), sliding=(0, 0, 20, 0)),
     "ring": lambda side: Ring(0.72 * side, rim=Pressure(200.0, 1e-4, 0.5)),
     "sheared": lambda side: Periodic(side, side, shear_rate=200.0, pressure=(None, 50.0), viscosity=0.2),
     "stretched": lambda side: Periodic(side, side, stretch_rate=(-200.0, 200.0)),
@@ -94,10 +94,11 @@ def test_the_book_balances_to_second_order(name, rng):
 
 
 def test_driven_grains_work(rng):
-    """A driven grain that is pushed through others at constant velocity does the work that the others get."""
+    """A driven grain that is pushed through others, turning, at constant velocity and spin, does the work that the others get."""
     grains = Grains(
-        [[0.0, 0.0], [1.0, 0.2], [-0.99, 0.0]], np.full(3, 0.5), mass=np.ones(3), velocity=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]], driven=1
-    )
+        [[0.0, 0.0], [1.0, 0.2], [-0.99, 0.0]], np.full(3, 0.5), mass=np.ones(3), velocity=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]],
+        spin=[0.0, 0.0, -20.0], driven=1,
+    )  # fmt: skip
     sim = Simulation(grains, Linear(1e4, 3.0), friction=Friction(2e3, 0.5), ledger=True, boundary=Open())
     sim.run(2000)
     energy = sim.energy()
