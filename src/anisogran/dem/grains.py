@@ -13,9 +13,10 @@ def _array(name, value, shape):
         array = np.array(np.broadcast_to(np.asarray(value, dtype=float), shape))
     except (TypeError, ValueError):
         raise InputError(f"Grains: {name} of shape {np.shape(value)} does not fit {shape}") from None
-    bad = np.flatnonzero(~np.isfinite(array).reshape(shape[0], -1).all(axis=1))
-    if bad.size:
-        raise InputError(f"Grains: {name}[{bad[0]}] = {array[bad[0]]} is not finite")
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.argmin(finite.reshape(shape[0], -1).all(axis=1))
+        raise InputError(f"Grains: {name}[{bad}] = {array[bad]} is not finite")
     return array
 
 
