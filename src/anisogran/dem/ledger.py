@@ -12,6 +12,7 @@ from anisogran.dem.kernel import block, kernel, subkernel, unaliased
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
+from anisogran.dem.walls import wall_slip
 
 DASHPOT, FRICTION, PLASTICITY, DRAG, BOUNDARY = range(5)
 POWER, POWER_BEFORE = 5, 6  # W: of the boundary, through lattice and driven grains, in this step and in the one before
@@ -150,7 +151,7 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
                 sums[PLASTICITY] += plastic
                 sums[BOUNDARY] -= (elastic + drag) * (wall_vx * nx + wall_vy * ny) * dt
             if friction is not None:
-                slip = dv * nx - du * ny - (radius - 0.5 * overlap) * spin[i]
+                slip = wall_slip(nx, ny, du, dv, radius, overlap, spin[i])
                 stuck, slid, mean, force = tangential_losses(friction, overlap > 0.0, tangential[wall, i], slip, spring[wall, i], bound, dt)
                 tangential[wall, i] = force
                 if dt > 0.0:

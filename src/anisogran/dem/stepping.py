@@ -145,11 +145,11 @@ def look_for_deep_pairs(body, pairs, cell, counters):
         j = pairs.second[k]
         dx, dy, _, _ = separation(cell, body.x[j] - body.x[i], body.y[j] - body.y[i], 0.0, 0.0)
         smaller = min(body.radius[i], body.radius[j])
-        reach = body.radius[i] + body.radius[j] - DEEP * smaller
+        reach = pairs.reach[k] - DEEP * smaller
         square = dx * dx + dy * dy
         if square < reach * reach:
             count += 1
-            overlap = (body.radius[i] + body.radius[j] - math.sqrt(square)) / smaller
+            overlap = (pairs.reach[k] - math.sqrt(square)) / smaller
             if overlap > deepest:
                 deepest = overlap
                 counters.grain[0] = i

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.dem.boundaries import touch
-from anisogran.dem.kernel import subkernel
+from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.laws import normal_force, tangential_force
 from anisogran.dem.rows import TORQUE
 
@@ -49,6 +49,18 @@ def find_wall_contacts(boundary, body, movable, skin, wall_list):
     return outside
 
 
+@kernel
+def wall_arm(radius, overlap):
+    """Lever arm of the contact with a wall, the same in the slip velocity and in the torque."""
+    return radius - 0.5 * overlap
+
+
+@kernel
+def wall_slip(nx, ny, du, dv, radius, overlap, spin):
+    """Velocity of the wall against the grain's surface along the tangent; du, dv: of the wall against the grain's centre."""
+    return dv * nx - du * ny - wall_arm(radius, overlap) * spin
+
+
 @subkernel
 def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, spring, dt):
     """Candidate k: grain, wall, overlap, normal towards the wall, normal force, tangential force on the wall; contact memory updated."""
@@ -67,7 +79,7 @@ def wall_contact(boundary, body, spin, k, wall_list, normal, friction, largest, 
         largest[wall, i] = memo if closed else 0.0
     ft = 0.0
     if friction is not None:
-        slip = dv * nx - du * ny - (radius - 0.5 * overlap) * spin[i]
+        slip = wall_slip(nx, ny, du, dv, radius, overlap, spin[i])
         ft, stretched = tangential_force(friction, spring[wall, i], slip, bound, dt)
         spring[wall, i] = stretched if closed else 0.0
     return i, wall, overlap, nx, ny, fn, ft
@@ -87,4 +99,4 @@ def add_wall_forces(boundary, body, spin, wall_list, normal, friction, largest, 
                 boundary.force[wall] += fn
                 boundary.traction[wall] += ft
                 if friction is not None:
-                    body.forces[i, TORQUE] -= (body.radius[i] - 0.5 * overlap) * ft
+                    body.forces[i, TORQUE] -= wall_arm(body.radius[i], overlap) * ft
