@@ -13,7 +13,7 @@ SOURCE = Path(anisogran.__file__).parent
 
 # Rooms from the bottom up; rooms of one layer do not know each other.
 LAYERS = [
-    {"outcome", "glossary", "tensors"},
+    {"outcome", "glossary", "tensors", "compiled"},
     {"snapshot"},
     {"dem", "averaging", "models"},
     {"fitting", "continuum", "files"},
@@ -28,12 +28,12 @@ ALLOWED = {  # third parties that only these rooms may import
     "lmfit": {"fitting"},
     "skfem": {"continuum"},
     "matplotlib": {"plots"},
-    "numba": {"dem"},
-    "llvmlite": {"dem"},
+    "numba": {"compiled", "dem", "averaging"},
+    "llvmlite": {"compiled", "dem"},
     "typer": {"cli"},
     "rich": {"cli"},
 }
-OF_DEM = {"numpy", "numba", "llvmlite", "platformdirs"}
+OF_DEM = {"numpy", "numba", "llvmlite"}
 
 
 def room_of(path):

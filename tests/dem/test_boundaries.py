@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from crowds import FRICTION, LAW, crowd, state
 
+from anisogran.compiled import OPTIONS
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Open, Path, Periodic, Pressure, Ring, Simulation
 from anisogran.dem.boundaries import advance, settle, touch
 from anisogran.dem.boundaries.motion import move
-from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.rows import INVERSE_MASS, grain_rows
 from anisogran.dem.state import find_forces
 from anisogran.dem.stepping import body_of, kick_and_drift

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from crowds import EVERY_LAW, FRICTION, LAW, crowd, state
 
+from anisogran.compiled import OPTIONS
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Open, Periodic, Pressure, Ring, Simulation, collision_time
-from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.ledger import account_pairs
 from anisogran.dem.pairs import scratch
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from crowds import EVERY_LAW, FRICTION, LAW, crowd, state
 
+from anisogran.compiled import OPTIONS
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Periodic, Pressure, Ring, Simulation
-from anisogran.dem.kernel import OPTIONS
 from anisogran.dem.pairs import pair_forces, scratch
 from anisogran.outcome import InputError, RunFailed
 

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
+from anisogran.compiled import kernel
 from anisogran.dem.boundaries import lattice
-from anisogran.dem.kernel import block, kernel
 from anisogran.dem.pairs import BLOCK, pair_forces, scratch, separation
 from anisogran.dem.rows import DX, DY, FX, FY, pair_columns
+from anisogran.dem.specialisation import block
 from anisogran.dem.walls import wall_contact
 
 

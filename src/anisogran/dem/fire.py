@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import lattice, touch
 from anisogran.dem.forces import Memory, add_pair_forces
-from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.laws.linear import LinearParameters
 from anisogran.dem.neighbours import find_pairs
 from anisogran.dem.pairs import separation

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import lattice, stress_sums
-from anisogran.dem.kernel import block, kernel, subkernel
 from anisogran.dem.ledger import account_grains, account_images, account_pairs, account_walls, add_losses
 from anisogran.dem.pairs import BLOCK, pair_forces
 from anisogran.dem.rows import add_to_rows, pair_columns
+from anisogran.dem.specialisation import block
 from anisogran.dem.walls import add_wall_forces
 
 

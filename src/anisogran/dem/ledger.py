@@ -7,11 +7,12 @@ as the time stepping has it; for that a contact remembers its overlap and the fo
 
 import math
 
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import lattice, touch
-from anisogran.dem.kernel import block, kernel, subkernel, unaliased
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
+from anisogran.dem.specialisation import block, unaliased
 from anisogran.dem.walls import wall_slip
 
 DASHPOT, FRICTION, PLASTICITY, DRAG, BOUNDARY = range(5)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import subkernel
+from anisogran.compiled import subkernel
 from anisogran.dem.rows import aligned_zeros
 
 

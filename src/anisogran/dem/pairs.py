@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import kernel, subkernel, unaliased
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.laws import normal_force, tangential_force
 from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SUM_SPIN, aligned_zeros
+from anisogran.dem.specialisation import unaliased
 
 BLOCK = 256  # pairs; the columns of pairs and of forces take 25 kB
 

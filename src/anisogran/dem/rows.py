@@ -11,7 +11,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
 
-from anisogran.dem.kernel import OPTIONS
+from anisogran.compiled import OPTIONS
 
 X, Y, VX, VY, RADIUS, SPIN, INVERSE_MASS, INVERSE_INERTIA = range(8)  # a row of a grain
 # the columns of pairs: second minus first, and the sums of both; without anything that asks for more, only the first four are filled

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import advance, lattice, settle
 from anisogran.dem.forces import add_all_forces
-from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.ledger import BOUNDARY
 from anisogran.dem.neighbours import PairList, carry_over, find_pairs, overwrite
 from anisogran.dem.pairs import separation

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import touch
-from anisogran.dem.kernel import kernel, subkernel
 from anisogran.dem.laws import normal_force, tangential_force
 from anisogran.dem.rows import TORQUE
 

@@ -11,7 +11,7 @@ from anisogran.dem.boundaries.motion import Cosine, Fixed, Path, Pressure
 from anisogran.dem.boundaries.open import Open
 from anisogran.dem.boundaries.periodic import Periodic
 from anisogran.dem.boundaries.ring import Ring
-from anisogran.dem.kernel import specialised
+from anisogran.dem.specialisation import specialised
 
 _ROOMS = {open.OpenState: open, box.BoxState: box, ring.RingState: ring, periodic.PeriodicState: periodic}
 

@@ -1,6 +1,6 @@
 """Driven grains that belong to no wall: they keep their velocity and spin, whatever pushes them."""
 
-from anisogran.dem.kernel import kernel
+from anisogran.compiled import kernel
 
 
 @kernel

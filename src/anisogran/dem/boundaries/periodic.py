@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.kernel import kernel
+from anisogran.compiled import kernel
 from anisogran.dem.rows import INVERSE_MASS
 from anisogran.outcome import InputError, checked
 

@@ -3,20 +3,21 @@
 import subprocess
 import sys
 
-import anisogran.dem.kernel as kernel
+import anisogran.compiled as compiled
 
 
 def test_folder_is_keyed_by_the_sources(tmp_path, monkeypatch):
-    """Any change in a source file of the room leads to another folder."""
+    """Any change in a source file of the room leads to another folder; a room has its own."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    fresh = kernel.cache_folder.__wrapped__
-    before = fresh()
-    assert before.startswith(str(tmp_path / "anisogran" / "kernels-"))
+    fresh = compiled.cache_folder.__wrapped__
+    before = fresh("dem")
+    assert before.startswith(str(tmp_path / "anisogran" / "dem-"))
+    assert fresh("averaging").startswith(str(tmp_path / "anisogran" / "averaging-"))
     copied = tmp_path / "dem"
     copied.mkdir()
-    (copied / "kernel.py").write_text("# another source")
-    monkeypatch.setattr(kernel, "__file__", str(copied / "kernel.py"))
-    assert fresh() != before
+    (copied / "rows.py").write_text("# another source")
+    monkeypatch.setattr(compiled, "PACKAGE", tmp_path)
+    assert fresh("dem") != before
 
 
 def test_without_a_writable_cache_it_compiles_and_says_so():

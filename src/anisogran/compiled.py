@@ -1,0 +1,68 @@
+"""How kernels are compiled: one decorator, one set of options, one cache that is never stale.
+
+The compiled code is cached on disk. Numba does not notice when a function in another file has changed (numba issue 1833), so the cache
+folder of a room carries a hash of all its sources and of the versions of the compiler.
+"""
+
+import hashlib
+import os
+import tempfile
+import warnings
+from functools import cache
+from pathlib import Path
+
+import numba
+import numpy as np
+from llvmlite import __version__ as llvmlite_version
+from numba import njit
+from platformdirs import user_cache_dir
+
+# "contract" fuses multiply and add; the full fastmath would also let the compiler assume that NaN does not exist, and hide a blow-up.
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+PACKAGE = Path(__file__).parent
+
+
+@cache
+def cache_folder(room):
+    """The folder of the compiled kernels of a room: below NUMBA_CACHE_DIR if that is set, else below the user's cache folder."""
+    sources = [Path(__file__), *sorted((PACKAGE / room).rglob("*.py"))]
+    versions = f"{numba.__version__} {llvmlite_version} {np.__version__}"
+    digest = hashlib.sha256(versions.encode() + b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
+    base = os.environ.get("NUMBA_CACHE_DIR")
+    folder = Path(base) / "anisogran" if base else Path(user_cache_dir("anisogran", appauthor=False))
+    return str(folder / f"{room}-{digest}")
+
+
+@cache
+def cache_is_writable(room):
+    """Whether the cache folder can be made and written; if not, warns once that every process will compile anew.
+
+    Numba would then fall back to a folder that knows nothing of the sources of other files, and run stale kernels.
+    """
+    folder = cache_folder(room)
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError as error:
+        warnings.warn(f"{folder} cannot be written ({error.strerror}): kernels are compiled anew in every process", stacklevel=2)
+        return False
+
+
+def kernel(function, **options):
+    """The function, compiled at its first call and cached on disk for the next process."""
+    options = {**OPTIONS, "no_cfunc_wrapper": True, **options}
+    room = Path(function.__code__.co_filename).relative_to(PACKAGE).parts[0]
+    if not cache_is_writable(room):
+        return njit(**options)(function)
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = cache_folder(room)  # read by Numba while it decorates; the user's own kernels keep their setting
+    try:
+        return njit(cache=True, **options)(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def subkernel(function):
+    """A function that only other kernels call: without the way in from Python it compiles in two thirds of the time."""
+    return kernel(function, no_cpython_wrapper=True)
