@@ -4,6 +4,7 @@ Units are those of the two-dimensional model, where a stress is a force per leng
 A scene in reduced units (grain diameter, pressure and density set to 1) reads the same units with these three as "1 m" and so on.
 """
 
+import math
 from typing import NamedTuple
 
 CONVENTIONS = (
@@ -13,17 +14,32 @@ CONVENTIONS = (
 
 
 class Quantity(NamedTuple):
-    """Symbol (matplotlib mathtext without dollars), unit ("1" if it has none) and meaning of a quantity."""
+    """Symbol (matplotlib mathtext without dollars), unit ("1" if it has none) and meaning of a quantity.
+
+    `period`: an angle that is the same after that, in rad.
+    """
 
     symbol: str
     unit: str
     meaning: str
+    period: float | None = None
+
+
+# in space a stress is a force per area, a density a mass per volume, and so on
+IN_SPACE = {
+    "N/m": "N/m2", "N": "N/m", "N/m2": "N/m3", "kg/m2": "kg/m3", "kg/m3": "kg/m4", "kg/(m s)": "kg/(m2 s)", "kg/(m2 s)": "kg/(m3 s)",
+    "1/m2": "1/m3", "m2": "m3",
+}  # fmt: skip
 
 
 GLOSSARY = {
     # clock and place
     "time": Quantity("t", "s", "time since the stage began"),
     "r": Quantity("r", "m", "distance from the axis of the cell"),
+    "x": Quantity("x", "m", "horizontal position"),
+    "y": Quantity("y", "m", "position along the second axis"),
+    "z": Quantity("z", "m", "height"),
+    "volume": Quantity("V", "m2", "area (in space: volume) that was averaged over"),
     "depth": Quantity("(r - R_i)/d", "1", "distance from the inner ring in mean grain diameters"),
     # strain, half/half
     "eps_zz": Quantity(r"\epsilon_{zz}", "1", "vertical strain ln(z0/z), compression positive"),
@@ -33,14 +49,18 @@ GLOSSARY = {
     "strain": Quantity(r"\gamma", "1", "shear strain of the cell, rate times time"),
     # stress
     "stress": Quantity(r"\sigma", "N/m", "stress, compression positive, contact and fluctuation part, momentum flux [force, branch]"),
-    "stress_static": Quantity(r"\sigma^s", "N/m", "stress carried by contacts, compression positive"),
+    "stress_static": Quantity(r"\sigma^s", "N/m", "stress carried by contacts, walls included, compression positive, [force, branch]"),
     "stress_dynamic": Quantity(r"\sigma^d", "N/m", "stress of the velocity fluctuations relative to the local linear mean field"),
     "sigma_xx": Quantity(r"\sigma_{xx}", "N/m", "horizontal stress, compression positive"),
     "sigma_zz": Quantity(r"\sigma_{zz}", "N/m", "vertical stress, compression positive"),
     "sigma_yy": Quantity(r"\sigma_{yy}", "N/m", "stress along the velocity gradient, compression positive"),
     "sigma_xx_wall": Quantity(r"\sigma_{xx}^w", "N/m", "horizontal stress from the force on the side wall over its height"),
     "sigma_zz_wall": Quantity(r"\sigma_{zz}^w", "N/m", "vertical stress from the force on the top wall over its width"),
-    "pressure": Quantity("p", "N/m", "half the trace of the stress"),
+    "pressure": Quantity("p", "N/m", "trace of the stress over the dimension"),
+    "couple_stress": Quantity("M", "N", "couple stress (1/V) sum w sum_c (l x f) l with the force f on the grain, lecture's sign"),
+    "torque_stiffness": Quantity(r"\mu l^2", "N", "couple stress over curvature, M.kappa / kappa.kappa"),
+    "stress_divergence": Quantity(r"\nabla\cdot\sigma", "N/m2", "sum_j d sigma_ij / d x_j of the contact stress, compression positive"),
+    "wall_force_density": Quantity("t", "N/m2", "force of walls on grains per area, spread about the contact points by the kernel"),
     "s_D": Quantity("s_D", "1", "deviatoric stress ratio sigma_D/sigma_V = sin(mobilised friction angle)"),
     "stress_ratio": Quantity(r"\mu", "1", "shear stress over pressure"),
     "wall_shear_stress": Quantity(r"\tau_i", "N/m", "shear stress that the inner ring exerts, from its torque"),
@@ -50,28 +70,63 @@ GLOSSARY = {
     "outer_shear_stress": Quantity(r"\tau_o", "N/m", "shear stress on the outer ring, positive along the turning"),
     # structure
     "area_fraction": Quantity(r"\nu", "1", "area of the grains over area"),
+    "volume_fraction": Quantity(r"\nu", "1", "volume of the grains over volume"),
+    "density": Quantity(r"\rho", "kg/m2", "mass of the grains per area"),
+    "density_gradient": Quantity(r"\nabla\rho", "kg/m3", "gradient of the density, from the gradient of the kernel"),
+    "number_density": Quantity("n", "1/m2", "grains per area"),
+    "mean_diameter": Quantity("d", "m", "mean diameter of the grains"),
     "fabric": Quantity("F", "1", "fabric tensor (1/V) sum w V^p sum_c n n"),
     "fabric_trace": Quantity(r"\mathrm{tr}\,F", "1", "trace of the fabric: area fraction times contacts a grain"),
     "fabric_deviator": Quantity("F_D", "1", "half the difference of the eigenvalues of the fabric"),
     "anisotropy": Quantity("a_2", "1", "deviatoric fabric ratio a_2 = 2 (F_1 - F_2)/tr F, the second Fourier coefficient of the contacts"),
     "coordination_number": Quantity("Z", "1", "contacts a grain, rattlers left out"),
+    "rattler_fraction": Quantity("N_r/N", "1", "share of the grains that carry nothing: too few contacts, removed until none is left"),
+    "elastic_strain": Quantity(
+        r"\epsilon", "1", "elastic strain pi (1/V) sum w sum_c (Delta l) . F^-1 of the contacts, symmetric, with the full overlap as Delta"
+    ),
+    "elastic_strain_raw": Quantity(
+        r"\epsilon", "1", "elastic strain (sum w sum_c Delta l) . (sum w sum_c l l)^-1, symmetric, with the full overlap as Delta"
+    ),
+    "bulk_modulus": Quantity("E", "N/m", "trace of the contact stress over trace of the elastic strain"),
+    "shear_modulus": Quantity("G", "N/m", "deviator of the contact stress over deviator of the elastic strain"),
+    "stress_angle": Quantity(r"\phi_\sigma", "rad", "angle of the axis of the largest compressive stress", math.pi),
+    "fabric_angle": Quantity(r"\phi_F", "rad", "angle of the axis of the largest fabric", math.pi),
+    "elastic_strain_angle": Quantity(r"\phi_\epsilon", "rad", "angle of the axis of the largest compressive elastic strain", math.pi),
+    "strain_rate_angle": Quantity(r"\phi_D", "rad", "angle of the axis of the fastest compression", math.pi),
+    "fabric_to_stress_angle": Quantity(r"\phi_\sigma - \phi_F", "rad", "axis of the stress from that of the fabric", math.pi),
+    "strain_to_stress_angle": Quantity(
+        r"\phi_\sigma - \phi_\epsilon", "rad", "axis of the stress from that of the elastic strain", math.pi
+    ),
+    "rate_to_stress_angle": Quantity(r"\phi_\sigma - \phi_D", "rad", "axis of the stress from that of the strain rate", math.pi),
+    "rate_to_fabric_angle": Quantity(r"\phi_F - \phi_D", "rad", "axis of the fabric from that of the strain rate", math.pi),
     "kinetic_energy": Quantity("E_k", "J", "kinetic energy of the free grains, spin included"),
     # motion
-    "velocity": Quantity("v", "m/s", "velocity"),
+    "velocity": Quantity("v", "m/s", "velocity; of averages, that of the local linear mean field"),
+    "velocity_density": Quantity(r"\nu v", "m/s", "area fraction times velocity, (1/V) sum w V^p v"),
+    "momentum_density": Quantity(r"\rho v", "kg/(m s)", "momentum of the grains per area"),
+    "momentum_gradient": Quantity(
+        r"\partial_j \rho v_i", "kg/(m2 s)", "d (rho v_i) / d x_j, from the gradient of the kernel; its trace is the loss of density"
+    ),
+    "velocity_gradient": Quantity(r"\partial_j v_i", "1/s", "d v_i / d x_j of the local linear mean field"),
+    "strain_rate": Quantity("D", "1/s", "symmetric part of the velocity gradient, compression positive"),
     "v_phi": Quantity(r"v_\phi", "m/s", "azimuthal velocity"),
     "shear_rate": Quantity(r"\dot\gamma", "1/s", "shear rate 2 |D_dev|, the engineering rate in simple shear"),
     "spin": Quantity(r"\omega", "1/s", "mean spin of the grains, counter-clockwise positive"),
-    "continuum_spin": Quantity("W", "1/s", "spin of the mean flow (dv/dr + v/r)/2"),
+    "spin_density": Quantity(r"\nu\omega", "1/s", "area fraction times spin, (1/V) sum w V^p spin"),
+    "continuum_spin": Quantity("W", "1/s", "spin of the mean flow, half the curl of the velocity"),
+    "curvature": Quantity(r"\kappa", "1/(m s)", "gradient of the spin, d spin / d x_j"),
     "eigen_rotation": Quantity(r"\omega^*", "1/s", "spin of the grains less the spin of the mean flow"),
     "inertial_number": Quantity("I", "1", "shear_rate sqrt(mean grain mass / pressure)"),
     "fluidity": Quantity("g", "1/s", "granular fluidity: shear rate over stress ratio"),
 }
 
 
-def attributes(name, **more):
+def attributes(name, dimension=2, **more):
     """The file attributes of a quantity (units, long_name, symbol), with further ones; KeyError if the glossary lacks it."""
     quantity = GLOSSARY[name]
-    return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol, **more}
+    unit = quantity.unit if dimension == 2 else IN_SPACE.get(quantity.unit, quantity.unit)
+    period = {} if quantity.period is None else {"period": quantity.period}
+    return {"units": unit, "long_name": quantity.meaning, "symbol": quantity.symbol, **period, **more}
 
 
 def label(name):

@@ -31,9 +31,12 @@ def deviator(t):
 
 
 def deviator_size(t):
-    """Half the difference of the eigenvalues of the symmetric part of a 2D tensor, >= 0, shape (...)."""
+    """|dev| = sqrt(dev : dev / 2) of the symmetric part, >= 0, shape (...); in 2D half the difference of the eigenvalues."""
     t = symmetric(t)
-    return np.hypot(0.5 * (t[0, 0] - t[1, 1]), t[0, 1])
+    if t.shape[0] == 2:
+        return np.hypot(0.5 * (t[0, 0] - t[1, 1]), t[0, 1])
+    dev = deviator(t)
+    return np.sqrt(0.5 * np.einsum("ij...,ij...->...", dev, dev))
 
 
 def principal_angle(t):
@@ -48,15 +51,20 @@ def direction(angle):
     return np.array([[cosine, sine], [sine, -cosine]])
 
 
-def rotation(angle):
-    """The active rotation matrix [[c, -s], [s, c]], shape (2, 2, ...)."""
+def rotation(angle, dimension=2):
+    """The active rotation matrix [[c, -s], [s, c]], shape (2, 2, ...); in 3D that about the z axis, (3, 3, ...)."""
     cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([[cosine, -sine], [sine, cosine]])
+    plane = np.array([[cosine, -sine], [sine, cosine]])
+    if dimension == 2:
+        return plane
+    turn = np.zeros((3, 3, *plane.shape[2:]))
+    turn[:2, :2], turn[2, 2] = plane, 1.0
+    return turn
 
 
 def rotate(t, angle):
-    """R t R^T: the tensor turned counter-clockwise by the angle (active), same shape as t broadcast with the angle."""
-    turn = rotation(angle)
+    """R t R^T: the tensor turned counter-clockwise by the angle (active, in 3D about z), same shape as t broadcast with the angle."""
+    turn = rotation(angle, np.shape(t)[0])
     return np.einsum("ik...,kl...,jl...->ij...", turn, t, turn)
 
 

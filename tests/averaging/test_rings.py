@@ -6,8 +6,11 @@ import xarray as xr
 from clusters import make
 
 from anisogran import average
-from anisogran.averaging import drift, mean_and_error, ring_densities, ring_profiles, ring_weights
-from anisogran.averaging.weights import area_inside_circle
+from anisogran.averaging import Rings, drift, field_values, mean_and_error
+from anisogran.averaging.densities import densities
+from anisogran.averaging.overlap_areas import disc_in_circle, ring_shares
+
+area_inside_circle = np.vectorize(disc_in_circle)
 
 EDGES = np.arange(5.0, 13.0)
 
@@ -31,12 +34,12 @@ def test_area_against_counting(rng):
         assert area_inside_circle(distance, 1.0, circle) == pytest.approx(counted, abs=3e-4)  # points on the rim
 
 
-def test_weights_of_a_disc_add_up_to_one(rng):
+def test_shares_of_a_disc_add_up_to_one(rng):
     position = rng.uniform(-20, 20, (300, 2))
     radius = rng.uniform(0.01, 3.0, 300)
-    weights = ring_weights(position, radius, np.linspace(0, 40, 50))
-    np.testing.assert_allclose(weights.sum(axis=0), 1.0, atol=1e-12)
-    assert weights.min() > -1e-12
+    indptr, _, shares = ring_shares(position, radius, np.ones(300, bool), np.linspace(0, 40, 50), np.empty(0))
+    np.testing.assert_allclose(np.add.reduceat(shares, indptr[:-1]), 1.0, atol=1e-12)
+    assert shares.min() > -1e-12
 
 
 def test_tangency_leaves_no_rounding(rng):
@@ -47,6 +50,13 @@ def test_tangency_leaves_no_rounding(rng):
     np.testing.assert_allclose(area_inside_circle(outside, disc, circle), 0.0, atol=1e-14)
     np.testing.assert_allclose(area_inside_circle(inside, disc, circle) / (np.pi * disc**2), 1.0, rtol=1e-12)
     np.testing.assert_allclose(area_inside_circle(np.nextafter(circle - disc, 9), circle, disc) / (np.pi * disc**2), 1.0, rtol=1e-12)
+
+
+def ring_sums(snapshot, edges, *names):
+    """Sums over each ring (density times its area) of extensive quantities."""
+    place = Rings(np.asarray(edges, float), np.empty(0))
+    values = densities(snapshot, place, names)
+    return [values[name] * values["volume"] for name in names]
 
 
 def crowd(rng, count=4000):
@@ -63,34 +73,33 @@ def test_rigid_rotation(rng):
     omega = 0.3
     velocity = omega * np.stack([-position[:, 1], position[:, 0]], axis=1)
     snapshot = make(position, np.full(4000, 0.2), [], [], velocity=velocity, spin=np.full(4000, omega))
-    densities = ring_densities(snapshot, EDGES)
-    # the mean over a ring is that over its grains; their mean radius differs from the middle by sampling, 3 standard errors
-    profile = average(snapshot, on="rings", edges=EDGES, fields=["v_phi", "spin"])
-    np.testing.assert_allclose(profile.v_phi, omega * profile.r, rtol=0.01)
+    profile = average(snapshot, on="rings", edges=EDGES)
+    # the profile is linear in r, so its local linear fit is exact
+    np.testing.assert_allclose(profile.v_phi, omega * profile.r, rtol=1e-12)
     np.testing.assert_allclose(profile.spin, omega, rtol=1e-12)
-    np.testing.assert_allclose(densities["momentum"][0], 0, atol=1e-12)
-    np.testing.assert_allclose(densities["stress"], 0, atol=1e-3 * omega**2)  # a rigid rotation is no agitation, but for curvature
+    np.testing.assert_allclose(profile.eigen_rotation, 0, atol=1e-13)
+    np.testing.assert_allclose(profile.velocity[0], 0, atol=1e-12)
+    np.testing.assert_allclose(profile.stress, 0, atol=1e-12)
+    np.testing.assert_allclose(profile.shear_rate, 0, atol=1e-13)
 
 
 def test_mass_is_counted_once(rng):
     position = crowd(rng)
     snapshot = make(position, np.full(4000, 0.2), [], [], mass=rng.uniform(1, 2, 4000))
     edges = np.linspace(0.0, 20.0, 41)
-    densities = ring_densities(snapshot, edges)
-    area = np.pi * np.diff(edges**2)
-    assert np.sum(densities["mass"] * area) == pytest.approx(snapshot.mass.sum(), rel=1e-12)
-    assert np.sum(densities["area_fraction"] * area) == pytest.approx(4000 * np.pi * 0.04, rel=1e-12)
+    mass, area = ring_sums(snapshot, edges, "density", "solid_fraction")
+    assert mass.sum() == pytest.approx(snapshot.mass.sum(), rel=1e-12)
+    assert area.sum() == pytest.approx(4000 * np.pi * 0.04, rel=1e-12)
 
 
 def test_polar_components_of_one_contact():
     """Two discs that touch along the radius at azimuth 90 degrees press radially only; along the circle, in hoop direction only."""
     radial = make([[0, 8.0], [0, 9.0]], [0.5, 0.5], [(0, 1)], [(0, -2.0)])
-    stress = ring_densities(radial, EDGES)["stress"]
-    total = np.einsum("ijk,k->ij", stress, np.pi * np.diff(EDGES**2))
+    total = ring_sums(radial, EDGES, "stress_static")[0].sum(axis=-1)
     np.testing.assert_allclose(total, np.diag([2.0 * 1.0, 0]), atol=1e-12)
     angle = 1.0 / 8.0
     hoop = make([[8.0, 0], [8 * np.cos(angle), 8 * np.sin(angle)]], [0.5, 0.5], [(0, 1)], [(np.sin(angle / 2), -np.cos(angle / 2))])
-    total = np.einsum("ijk,k->ij", ring_densities(hoop, EDGES)["stress"], np.pi * np.diff(EDGES**2))
+    total = ring_sums(hoop, EDGES, "stress_static")[0].sum(axis=-1)
     length = 2 * 8 * np.sin(angle / 2)
     # each end sees the contact under half the angle between the grains
     assert total[1, 1] == pytest.approx(length * np.cos(angle / 2) ** 2, rel=1e-12)
@@ -106,50 +115,68 @@ def test_agitation_and_fabric_of_grains_on_a_circle():
         8.5 * out, np.full(12, 0.2), [(0, -1), (1, -1)], np.zeros((2, 2)), point=8.7 * out[:2], mass=np.full(12, 3.0), fixed=fixed,
         velocity=0.4 * sign[:, None] * out,
     )  # fmt: skip
-    densities = ring_densities(snapshot, EDGES)
-    area = np.pi * np.diff(EDGES**2)
-    np.testing.assert_allclose(np.einsum("ijk,k->ij", densities["stress"], area), np.diag([10 * 3.0 * 0.4**2, 0]), atol=1e-12)
-    np.testing.assert_allclose(np.einsum("ijk,k->ij", densities["fabric"], area), np.diag([2 * np.pi * 0.04, 0]), atol=1e-12)
-    assert densities["mass"] @ area == pytest.approx(30.0)
-    assert densities["grains"] @ area == pytest.approx(10.0)
+    profile = average(snapshot, on="rings", edges=EDGES, fields=["stress", "fabric"])
+    np.testing.assert_allclose((profile.stress * profile.volume).sum("r"), np.diag([10 * 3.0 * 0.4**2, 0]), atol=1e-12)
+    np.testing.assert_allclose((profile.fabric * profile.volume).sum("r"), np.diag([2 * np.pi * 0.04, 0]), atol=1e-12)
+    mass, grains = ring_sums(snapshot, EDGES, "density", "number_density")
+    assert mass.sum() == pytest.approx(30.0)
+    assert grains.sum() == pytest.approx(10.0)
+
+
+def moments_of(profile, edges, **more):
+    """Extensive quantities of rings evenly filled with grains of a velocity profile v_phi(r), as a function of radius."""
+    width = np.diff(edges)
+    r, ones = 0.5 * (edges[1:] + edges[:-1]), np.ones(len(width))
+    points, weights = np.polynomial.legendre.leggauss(6)
+    x = 0.5 * width * points[:, None]  # offsets of the grains, of mass density 2
+    v = profile(r + x)
+    mean = 0.5 * weights[:, None]
+    nothing = np.zeros(len(r))
+    two = {
+        "density": 2.0 * ones, "mass_offset": nothing[None], "mass_spread": 2.0 * (mean * x * x).sum(axis=0)[None, None],
+        "momentum_density": 2.0 * np.stack([nothing, (mean * v).sum(axis=0)]),
+        "momentum_offset": 2.0 * np.stack([nothing, (mean * v * x).sum(axis=0)])[:, None],
+        "momentum_flux": 2.0 * np.einsum("i,j,k->ijk", [0, 1], [0, 1], (mean * v * v).sum(axis=0)),
+    }  # fmt: skip
+    return r, two | more
 
 
 def test_quotients_of_a_profile():
     """v = b/r with b = 2, spin 0.3, grain mass 4, stress [[3, 0.5], [0.7, 1]]: shear rate 4/r^2, continuum spin 0, pressure 2."""
     edges = np.linspace(5.0, 13.0, 65)
-    r, ones = 0.5 * (edges[1:] + edges[:-1]), np.ones(64)
+    ones = np.ones(64)
     stress = np.array([[3.0, 0.5], [0.7, 1.0]])[:, :, None] * ones
-    densities = {
-        "area_fraction": 0.8 * ones, "momentum": np.stack([0 * r, 0.8 * 2.0 / r]), "rotation": 0.8 * 0.3 * ones, "mass": 2.0 * ones,
-        "grains": 0.5 * ones, "stress": stress, "fabric": 2.0 * stress,
-    }  # fmt: skip
-    profile = ring_profiles(densities, edges)
-    np.testing.assert_allclose(profile.pressure, 2.0)
-    np.testing.assert_allclose(profile.stress_ratio, 0.6 / 2.0)
-    np.testing.assert_allclose(profile.s_D, np.hypot(1.0, 0.6) / 2.0)
-    np.testing.assert_allclose(profile.fabric_trace, 8.0)
-    np.testing.assert_allclose(profile.fabric_deviator, 2.0 * np.hypot(1.0, 0.6))
-    np.testing.assert_allclose(profile.inertial_number, profile.shear_rate * np.sqrt(4.0 / 2.0))
-    np.testing.assert_allclose(profile.eigen_rotation, 0.3 - profile.continuum_spin)
-    np.testing.assert_allclose(profile.eigen_rotation, 0.3, atol=1e-3)  # second order in the ring width: (1/8)^2 b/r^4
+    spin = {"mass_spin": 0.6 * ones[None], "mass_spin_offset": 0.0 * ones[None, None]}
+    r, quantities = moments_of(
+        lambda r: 2.0 / r, edges, stress_static=stress, fabric=2.0 * stress, number_density=0.5 * ones, **spin,
+        diameter_density=ones, solid_fraction=ones,
+    )  # fmt: skip
+    names = ["pressure", "stress_ratio", "s_D", "fabric_trace", "fabric_deviator", "inertial_number", "shear_rate", "eigen_rotation"]
+    profile = field_values(quantities, Rings(edges, np.empty(0)), [*names, "spin", "continuum_spin"])
+    # what is left of v = b/r about its tangent counts as agitation: (b/r^3 w^2/12)^2 with w = 1/8, below 1e-9
+    np.testing.assert_allclose(profile["pressure"], 2.0, rtol=1e-8)
+    np.testing.assert_allclose(profile["stress_ratio"], 0.6 / 2.0, rtol=1e-8)
+    np.testing.assert_allclose(profile["s_D"], np.hypot(1.0, 0.6) / 2.0, rtol=1e-8)
+    np.testing.assert_allclose(profile["fabric_trace"], 8.0)
+    np.testing.assert_allclose(profile["fabric_deviator"], 2.0 * np.hypot(1.0, 0.6))
+    np.testing.assert_allclose(profile["inertial_number"], profile["shear_rate"] * np.sqrt(4.0 / 2.0), rtol=1e-8)
+    np.testing.assert_allclose(profile["shear_rate"], 4.0 / r**2, rtol=1e-3)
+    np.testing.assert_allclose(profile["eigen_rotation"], 0.3 - profile["continuum_spin"])
+    np.testing.assert_allclose(profile["eigen_rotation"], 0.3, atol=1e-4)  # second order in the ring width: (1/8)^2/20 b/r^4
 
 
-def test_gradient_of_a_couette_profile(rng):
-    """v = a r + b/r: shear rate 2 b/r^2 and continuum spin a, at second order in the ring width."""
+def test_gradient_of_a_couette_profile():
+    """v = a r + b/r: velocity, shear rate 2 b/r^2 and continuum spin a, at second order in the ring width."""
     a, b = 0.1, 2.0
     errors = []
-    for count in (32, 64):
+    for count in (16, 32, 64):
         edges = np.linspace(5.0, 13.0, count + 1)
-        r = 0.5 * (edges[1:] + edges[:-1])
-        nu = np.full(count, 0.8)
-        densities = {
-            "area_fraction": nu, "momentum": np.stack([0 * r, nu * (a * r + b / r)]), "rotation": nu * a, "mass": nu, "grains": nu,
-            "stress": np.ones((2, 2, count)) * np.eye(2)[:, :, None], "fabric": np.ones((2, 2, count)),
-        }  # fmt: skip
-        profile = ring_profiles(densities, edges)
-        errors.append(float(np.abs(profile.shear_rate - 2 * b / r**2).max()))
-        np.testing.assert_allclose(profile.continuum_spin, a, atol=errors[-1])
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)  # the outermost rings move towards the steep end
+        r, quantities = moments_of(lambda r: a * r + b / r, edges)
+        profile = field_values(quantities, Rings(edges, np.empty(0)), ["v_phi", "shear_rate", "continuum_spin"])
+        exact = {"v_phi": a * r + b / r, "shear_rate": 2 * b / r**2, "continuum_spin": a}
+        errors.append([np.abs(profile[name] - value).max() for name, value in exact.items()])
+    order = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    np.testing.assert_allclose(order, 2.0, atol=0.3)  # the outermost rings move towards the steep end
 
 
 def test_block_errors_know_the_spread(rng):

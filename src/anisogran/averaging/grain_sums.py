@@ -5,9 +5,12 @@ does. Compression is made positive here and nowhere else: the per-grain sum of (
 under compression, the moment returned is its opposite. Grains of a rough wall are wall: they receive nothing.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+
+from anisogran.compiled import kernel, subkernel
 
 
 class ContactEnds(NamedTuple):
@@ -18,73 +21,206 @@ class ContactEnds(NamedTuple):
     force: np.ndarray  # (E, d) force on the grain
     arm: np.ndarray  # (E, d) from the centre to the contact
     normal: np.ndarray  # (E, d) unit vector from the centre to the contact
+    overlap: np.ndarray  # (E,)
+    contact: np.ndarray  # (E,) index of the contact in the snapshot
+
+
+@subkernel
+def to_nearest_image(vector, cell):
+    """Makes the vector (d,) the shortest of its periodic images; nothing without a cell (0, d).
+
+    Rows of the cell are lattice vectors, lower triangular, so the last axis is reduced first.
+    """
+    for axis in range(len(cell) - 1, -1, -1):
+        times = np.rint(vector[axis] / cell[axis, axis])
+        for k in range(axis + 1):
+            vector[k] -= times * cell[axis, k]
+
+
+@subkernel
+def turn_about_axis(vector, angle):
+    """Turns the vector (d,) counter-clockwise about the origin, or the z axis."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x, y = vector[0], vector[1]
+    vector[0], vector[1] = cosine * x - sine * y, sine * x + cosine * y
+
+
+@kernel
+def nearest_images(vectors, cell):
+    """The vectors (n, d), each the shortest of its periodic images."""
+    images = vectors.copy()
+    for k in range(len(images)):
+        to_nearest_image(images[k], cell)
+    return images
+
+
+@subkernel
+def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes):
+    """Fills the place e; vectors in the frame of the grain if there is one."""
+    d = len(arm)
+    length = 0.0
+    for k in range(d):
+        length += arm[k] * arm[k]
+    length = math.sqrt(length)
+    for a in range(d):
+        if len(axes):
+            f, l = 0.0, 0.0
+            for k in range(d):
+                f += axes[grain, a, k] * force[k]
+                l += axes[grain, a, k] * arm[k]
+        else:
+            f, l = force[a], arm[a]
+        ends.force[e, a] = f
+        ends.arm[e, a] = l
+        ends.normal[e, a] = l / length
+    ends.grain[e], ends.partner[e], ends.contact[e], ends.overlap[e] = grain, partner, contact, overlap
+
+
+@kernel
+def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, sector, axes):
+    """Writes the ends of all contacts at free grains and returns their number."""
+    d = position.shape[1]
+    force, arm = np.empty(d), np.empty(d)
+    used = 0
+    for c in range(len(pairs)):
+        i, j = pairs[c]
+        if free[i]:
+            for k in range(d):
+                force[k] = forces[c, k]
+                arm[k] = points[c, k] - position[i, k]
+            write_end(ends, used, i, j, c, force, arm, overlaps[c], axes)
+            used += 1
+        if j < 0 or not free[j]:
+            continue
+        # the contact as the second grain sees it: by the same lattice vector, or the same turn of a sector, that brought it to the first
+        if sector > 0:
+            apart = math.atan2(position[i, 1], position[i, 0]) - math.atan2(position[j, 1], position[j, 0])
+            turn = -np.rint(apart / sector) * sector
+            for k in range(d):
+                force[k] = -forces[c, k]
+                arm[k] = points[c, k]
+            turn_about_axis(force, turn)
+            turn_about_axis(arm, turn)
+            for k in range(d):
+                arm[k] -= position[j, k]
+        else:
+            for k in range(d):
+                force[k] = -forces[c, k]
+                arm[k] = position[j, k] - position[i, k]
+            to_nearest_image(arm, cell)
+            for k in range(d):
+                arm[k] = (points[c, k] - position[i, k]) - arm[k]
+        write_end(ends, used, j, i, c, force, arm, overlaps[c], axes)
+        used += 1
+    return used
+
+
+@kernel
+def dyad_sums(grain, first, second, grains):
+    """sum_c first_i second_j for each grain, shape (grains, n, d), from the values (E, n) and (E, d) at its ends."""
+    sums = np.zeros((grains, first.shape[1], second.shape[1]))
+    for e in range(len(grain)):
+        g = grain[e]
+        for i in range(first.shape[1]):
+            for j in range(second.shape[1]):
+                sums[g, i, j] += first[e, i] * second[e, j]
+    return sums
+
+
+@kernel
+def without_rattlers(kept, grain, partner, wall, least_contacts):
+    """Takes grains with fewer than `least_contacts` live contacts out of `kept` (N,), again and again until nothing changes.
+
+    wall (E,) marks ends whose partner is a wall. The lost grains are worked off one by one, so that the cost is linear in the contacts.
+    """
+    n = len(kept)
+    start = np.zeros(n + 1, np.int64)  # the ends of grain g stand in `order` from start[g] on
+    for e in range(len(grain)):
+        start[grain[e] + 1] += 1
+    for g in range(n):
+        start[g + 1] += start[g]
+    order, filled = np.empty(len(grain), np.int64), start[:-1].copy()
+    for e in range(len(grain)):
+        order[filled[grain[e]]] = e
+        filled[grain[e]] += 1
+    count = start[1:] - start[:-1]
+    lost = np.empty(n, np.int64)
+    size = 0
+    for g in range(n):
+        if kept[g] and count[g] < least_contacts:
+            kept[g] = False
+            lost[size] = g
+            size += 1
+    done = 0
+    while done < size:
+        g = lost[done]
+        done += 1
+        for e in order[start[g] : start[g + 1]]:
+            if wall[e]:
+                continue
+            other = partner[e]
+            count[other] -= 1
+            if kept[other] and count[other] < least_contacts:
+                kept[other] = False
+                lost[size] = other
+                size += 1
+
+
+def lattice_of(snapshot):
+    """The cell (d, d) as the kernels want it: (0, d) for none."""
+    return np.empty((0, snapshot.dimension)) if snapshot.cell is None else snapshot.cell
 
 
 def nearest_image(snapshot, vectors):
     """The vectors (C, d) to the nearest periodic image; unchanged without a cell."""
-    if snapshot.cell is None:
-        return vectors
-    # rows of the cell matrix are lattice vectors; those of a Lees-Edwards cell are triangular, so reduce the last one first
-    reduced = np.array(vectors, dtype=float)
-    for axis in reversed(range(len(snapshot.cell))):
-        lattice = snapshot.cell[axis]
-        reduced -= np.rint(reduced[:, axis] / lattice[axis])[:, None] * lattice
-    return reduced
+    return nearest_images(np.ascontiguousarray(vectors, dtype=float), lattice_of(snapshot))
 
 
-def contact_ends(snapshot):
-    """All contact ends at free grains, as ContactEnds."""
-    first, second = snapshot.pairs.T
-    arm = snapshot.point - snapshot.position[first]
-    with_grain = second >= 0
-    i, j = first[with_grain], second[with_grain]
-    other_arm = arm[with_grain] - nearest_image(snapshot, snapshot.position[j] - snapshot.position[i])
-    grain = np.concatenate([first, j])
-    partner = np.concatenate([second, i])
-    force = np.concatenate([snapshot.force, -snapshot.force[with_grain]])
-    arms = np.concatenate([arm, other_arm])
-    keep = snapshot.free[grain]
-    arms = arms[keep]
-    length = np.sqrt(np.einsum("cd,cd->c", arms, arms))
-    return ContactEnds(grain[keep], partner[keep], force[keep], arms, arms / length[:, None])
-
-
-def per_grain(ends, values, grains):
-    """Sum of `values` (E, ...) over the contacts of each grain, shape (grains, ...)."""
-    shape = values.shape[1:]
-    columns = np.moveaxis(values, 0, -1).reshape(int(np.prod(shape)), len(values))
-    sums = [np.bincount(ends.grain, weights=column, minlength=grains) for column in columns]
-    return np.stack(sums, axis=-1).reshape((grains, *shape))
+def contact_ends(snapshot, axes=None):
+    """All contact ends at free grains, as ContactEnds; vectors along the rows of `axes` (N, d, d) of each grain, default the laboratory."""
+    n, d = 2 * len(snapshot.pairs), snapshot.dimension
+    index, vector = np.int64, (n, d)
+    ends = ContactEnds(
+        np.empty(n, index), np.empty(n, index), np.empty(vector), np.empty(vector), np.empty(vector), np.empty(n), np.empty(n, index)
+    )
+    axes = np.empty((0, d, d)) if axes is None else axes
+    used = fill_ends(
+        ends, snapshot.position, snapshot.free, snapshot.pairs, snapshot.force, snapshot.point, snapshot.overlap,
+        lattice_of(snapshot), snapshot.sector or 0.0, axes,
+    )  # fmt: skip
+    return ContactEnds(*(array[:used] for array in ends))
 
 
 def stress_moment(ends, grains):
     """-sum_c f_i l_j for each grain, shape (grains, d, d), N m; compression positive. The static stress is its sum over the area."""
-    return per_grain(ends, -ends.force[:, :, None] * ends.arm[:, None, :], grains)
+    return -dyad_sums(ends.grain, ends.force, ends.arm, grains)
 
 
 def contact_fabric(ends, grains):
     """sum_c n_i n_j for each grain, shape (grains, d, d); its trace is the number of contacts."""
-    return per_grain(ends, ends.normal[:, :, None] * ends.normal[:, None, :], grains)
+    return dyad_sums(ends.grain, ends.normal, ends.normal, grains)
 
 
-def body_area(snapshot):
-    """V^p = pi a^2 of each free grain (0 for a wall grain), shape (grains,), m2."""
-    return np.pi * snapshot.radius**2 * snapshot.free
+def torque(ends):
+    """l x f at each end: (E, 1) in the plane, (E, 3) in space, N m."""
+    l, f = ends.arm, ends.force
+    return np.cross(l, f) if l.shape[1] == 3 else (l[:, 0] * f[:, 1] - l[:, 1] * f[:, 0])[:, None]
+
+
+def body_volume(snapshot):
+    """V^p of each free grain (0 for a wall grain), (grains,): pi a^2 in m2 in the plane, 4/3 pi a^3 in m3 in space."""
+    sphere = 4 / 3 * np.pi * snapshot.radius**3
+    return (sphere if snapshot.dimension == 3 else np.pi * snapshot.radius**2) * snapshot.free
 
 
 def backbone(snapshot, ends, least_contacts):
     """(grains,) bool: free grains that are no rattlers, and (E,) bool: ends between them or at a wall.
 
-    A grain with fewer than `least_contacts` contacts carries nothing (3 without friction, 2 with it, in the plane). Taking it away
-    may leave a neighbour with too few, so the removal is repeated until nothing changes.
+    A grain with fewer than `least_contacts` contacts carries nothing (without friction one more than the dimension, with it two). Taking
+    it away may leave a neighbour with too few, so the removal is repeated until nothing changes.
     """
     kept = snapshot.free.copy()
     partner = np.where(ends.partner < 0, 0, ends.partner)  # any grain: where it stands for a wall it is not asked
     wall = (ends.partner < 0) | ~snapshot.free[partner]
-    while True:
-        live = kept[ends.grain] & (wall | kept[partner])
-        count = np.bincount(ends.grain[live], minlength=len(kept))
-        lost = kept & (count < least_contacts)
-        if not lost.any():
-            return kept, live
-        kept &= ~lost
+    without_rattlers(kept, ends.grain, partner, wall, least_contacts)
+    return kept, kept[ends.grain] & (wall | kept[partner])

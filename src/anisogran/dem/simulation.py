@@ -275,8 +275,7 @@ class Simulation:
         """The present state as a Snapshot, contacts included. Nothing of the run is changed by it."""
         pairs, force, point, overlap = contact_table(self._state)
         fixed = np.arange(len(self.grains)) >= self._state.movable
-        cell, volume = self.boundary.extent(self._state.boundary)
         return Snapshot(
             self.position, self.grains.radius, self.grains.mass, self.velocity, self.spin, pairs, force, point, overlap,
-            cell=cell, volume=volume, fixed=fixed, time=self.time,
+            fixed=fixed, time=self.time, **self.boundary.extent(self._state.boundary),
         )  # fmt: skip

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from pydantic import Field
 
-from anisogran.averaging import average_box
+from anisogran.averaging import average
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
@@ -100,7 +100,7 @@ class Biaxial(Experiment):
     def measure(self, simulation, snapshot, width, height):
         """One row of the series."""
         least_contacts = 3 if self.friction is None else 2
-        box = average_box(snapshot, least_contacts=least_contacts)
+        box = average(snapshot, least_contacts=least_contacts)
         _, x, _, z = simulation.walls.position
         force = simulation.walls.force
         eps_zz, eps_xx = math.log(height / z), math.log(width / x)

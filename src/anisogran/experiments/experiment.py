@@ -13,6 +13,7 @@ import anisogran
 from anisogran.files import save_results, snapshot_dataset
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status
+from anisogran.snapshot import frames
 
 PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
 
@@ -50,6 +51,11 @@ class Run:
     status: Status = Status()
     provenance: dict = field(default_factory=dict)
 
+    @property
+    def frames(self):
+        """The snapshots of the steady state in order of time, for averages afterwards; without any, the last snapshot."""
+        return frames(self.snapshots)
+
     def datasets(self):
         """All of it as datasets by group name; "" holds provenance and status as attributes."""
         groups = {"": xr.Dataset(attrs={**self.provenance, "status": str(self.status)}), "series": self.series}
@@ -79,6 +85,17 @@ class Watch:
             self.seconds += time.perf_counter() - clock
             self.grain_steps += steps * len(simulation.grains)
         self._warm = simulation
+
+
+def spread_evenly(frames, discarded, samples):
+    """The numbers of `frames` samples (fewer if there are not so many), evenly spread over discarded + 1 .. samples, a set."""
+    count = min(frames, samples - discarded)
+    return {samples - (k * (samples - discarded)) // count for k in range(count)}
+
+
+def frame_name(sample):
+    """The name of a kept snapshot; names sort in the order of time."""
+    return f"frame-{sample:08d}"
 
 
 def labelled_series(rows, experiment):

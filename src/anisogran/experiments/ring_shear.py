@@ -10,18 +10,21 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from pydantic import Field
 
-from anisogran.averaging import drift, mean_and_error, ring_densities, ring_profiles
+from anisogran.averaging import Rings, TimeBlocks, densities, drift, extensive_needs, field_profiles
 from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
+from anisogran.experiments.experiment import Experiment, Run, Watch, frame_name, labelled_series, provenance, spread_evenly, squeezed
 from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step, relax
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
 
 PRESSED = 0.82  # about that under pressure; it sets how many discs the outer ring carries
+PROFILES = (
+    "area_fraction", "velocity", "v_phi", "shear_rate", "spin", "continuum_spin", "eigen_rotation", "stress", "pressure", "stress_ratio",
+    "s_D", "fabric", "fabric_trace", "fabric_deviator", "inertial_number",
+)  # fmt: skip
 SPACING = 1.5  # distance of the discs on a ring in mean diameters: their gap of d/2 holds a grain but lets none through
 
 
@@ -52,6 +55,7 @@ class RingShear(Experiment):
     discard: float = Field(40.0, ge=0, description="mean diameters of wall travel")
     block: float = Field(20.0, gt=0, description="mean diameters of wall travel")
     samples_per_diameter: int = Field(20, ge=1)
+    frames: int = Field(20, ge=0, description="snapshots of the averaged part that are kept")
     seed: int = Field(0, ge=0)
 
     def check(self):
@@ -131,21 +135,21 @@ class RingShear(Experiment):
         samples = round(self.travel * self.samples_per_diameter)
         a_block = round(self.block * self.samples_per_diameter)
         discarded = round(self.discard * self.samples_per_diameter)
-        rows, blocks, sums = [], [], []
+        place, needs = Rings(edges, np.empty(0)), extensive_needs(PROFILES)
+        rows, blocks = [], TimeBlocks(a_block)
         snapshots = {"start": simulation.snapshot()}
+        kept = spread_evenly(self.frames, discarded, samples)
         for k in range(1, samples + 1):
             watch.run(simulation, between)
             snapshot = simulation.snapshot()
             rows.append(self.measure(simulation))
             if k > discarded:
-                sums.append(ring_densities(snapshot, edges))
-            if len(sums) == a_block:
-                blocks.append(ring_profiles({name: np.mean([s[name] for s in sums], axis=0) for name in sums[0]}, edges))
-                sums = []
+                blocks.add(densities(snapshot, place, needs))
+            if k in kept:
+                snapshots[frame_name(k)] = snapshot
             watch.progress(0.05 + 0.95 * k / samples)
         snapshots["end"] = snapshot
-        blocks = xr.concat(blocks, "block")
-        profiles = mean_and_error(blocks)
+        profiles, blocks = field_profiles(blocks, place, PROFILES)
         profiles = profiles.assign_coords(depth=("r", (profiles.r.values - self.inner_radius) / d, attributes("depth")))
         series = labelled_series(rows, "ring_shear")
         status = self.judge(blocks, series, simulation)

@@ -14,10 +14,10 @@ import xarray as xr
 from pydantic import Field
 
 from anisogran import tensors
-from anisogran.averaging import average_box, drift, mean_and_error
+from anisogran.averaging import average, drift, mean_and_error
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
+from anisogran.experiments.experiment import Experiment, Run, Watch, frame_name, labelled_series, provenance, spread_evenly, squeezed
 from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step
 from anisogran.outcome import InputError
 
@@ -47,6 +47,7 @@ class SimpleShear(Experiment):
     strain: float = Field(5.0, gt=0)
     discard: float = Field(1.5, ge=0)
     samples_per_strain: int = Field(50, ge=5)
+    frames: int = Field(20, ge=0, description="snapshots of the averaged part that are kept")
     seed: int = Field(0, ge=0)
 
     def __init__(self, **values):
@@ -122,12 +123,16 @@ class SimpleShear(Experiment):
         simulation = prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)
         samples = round(self.strain * self.samples_per_strain)
         between = max(1, round(1 / (rate * self.samples_per_strain * simulation.dt)))
-        rows = []
+        rows, snapshots = [], {}
+        kept = spread_evenly(self.frames, round(self.discard * self.samples_per_strain), samples)
         for k in range(1, samples + 1):
             watch.run(simulation, between)
             snapshot = simulation.snapshot()
             rows.append(self.measure(simulation, snapshot, rate))
+            if k in kept:
+                snapshots[frame_name(k)] = snapshot
             watch.progress(k / samples)
+        snapshots["end"] = snapshot
         series = labelled_series(rows, "simple_shear")
         moved = drift(blocks_of(self.steady(series)).stress_ratio)
         status = squeezed(simulation)
@@ -138,7 +143,7 @@ class SimpleShear(Experiment):
             status = status.warn(f"not steady: the stress ratio drifts by {moved:.1f} standard errors")
         if simulation.counters["late_builds"]:
             status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
-        return Run(self, series, None, None, {"end": snapshot}, status, provenance(self, watch, simulation))
+        return Run(self, series, None, None, snapshots, status, provenance(self, watch, simulation))
 
     def steady(self, series):
         """The part of the series after the discarded strain."""
@@ -146,7 +151,7 @@ class SimpleShear(Experiment):
 
     def measure(self, simulation, snapshot, rate):
         """One row of the series; the shear is along x with the gradient along y, so stress_ratio = -sigma_xy/p is positive."""
-        box = average_box(snapshot, least_contacts=3 if self.friction is None else 2)
+        box = average(snapshot, least_contacts=3 if self.friction is None else 2)
         stress = box.stress.values
         pressure = float(tensors.mean(stress))
         return {

@@ -1,7 +1,7 @@
 """Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units."""
 
 import os
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 
 import xarray as xr
@@ -10,7 +10,7 @@ import anisogran
 from anisogran.files.numbers import check_writable
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError
-from anisogran.snapshot import Snapshot
+from anisogran.snapshot import Snapshot, frames
 
 
 def save_results(path, datasets, attributes):
@@ -41,12 +41,31 @@ def snapshot_dataset(snapshot):
         "point": (contact, snapshot.point, {"units": "m", "long_name": "contact point"}),
         "overlap": ("contact", snapshot.overlap, {"units": "m", "long_name": "overlap"}),
     }
-    cell = {} if snapshot.cell is None else {"cell": (("lattice", "axis"), snapshot.cell, {"units": "m", "long_name": "lattice vectors"})}
-    return xr.Dataset(variables | cell, attrs={"volume": snapshot.volume, "time": snapshot.time})
+    if snapshot.cell is not None:
+        variables["cell"] = (("lattice", "axis"), snapshot.cell, {"units": "m", "long_name": "lattice vectors"})
+    if snapshot.cell_velocity is not None:
+        meaning = {"units": "m/s", "long_name": "rate of change of the lattice vectors"}
+        variables["cell_velocity"] = (("lattice", "axis"), snapshot.cell_velocity, meaning)
+    sector = {} if snapshot.sector is None else {"sector": snapshot.sector}
+    return xr.Dataset(variables, attrs={"volume": snapshot.volume, "time": snapshot.time, **sector})
+
+
+class Results(xr.DataTree):
+    """A results file in memory: an xarray.DataTree that knows its snapshots, so that it can be averaged like the run that left it."""
+
+    __slots__ = ()
+
+    @property
+    def frames(self):
+        """The Snapshots of the steady state in order of time, or the last one; see `snapshot.frames`."""
+        group = self.get("snapshots")
+        if group is None:
+            raise InputError("this results file holds no snapshots")
+        return frames({name: read_snapshot(node) for name, node in group.children.items()})
 
 
 def open(path):
-    """A results file as an xarray.DataTree, read into memory.
+    """A results file as a Results, an xarray.DataTree, read into memory.
 
     Raises InputError naming the file if it cannot be read, or was not written by anisogran.
     """
@@ -58,7 +77,7 @@ def open(path):
         raise InputError(f"{path}: not a readable results file ({reason})") from None
     if "anisogran" not in tree.attrs:
         raise InputError(f"{path}: not written by anisogran")
-    return tree
+    return Results.from_dict(tree.to_dict())
 
 
 def read_snapshot(dataset):
@@ -66,10 +85,10 @@ def read_snapshot(dataset):
 
     Raises InputError if it holds none.
     """
-    names = [field.name for field in fields(Snapshot) if field.name not in ("cell", "volume", "time")]
+    names = [field.name for field in fields(Snapshot) if field.default is MISSING or field.name == "fixed"]
     missing = [name for name in names if name not in dataset]
     if missing:
         raise InputError(f"read_snapshot: no variable {missing[0]!r}; it must be a group snapshots/NAME")
     arrays = {name: dataset[name].values for name in names}
-    cell = dataset["cell"].values if "cell" in dataset else None
-    return Snapshot(**arrays, cell=cell, volume=float(dataset.attrs["volume"]), time=float(dataset.attrs["time"]))
+    arrays |= {name: dataset[name].values for name in ("cell", "cell_velocity") if name in dataset}
+    return Snapshot(**arrays, **{name: float(dataset.attrs[name]) for name in ("volume", "time", "sector") if name in dataset.attrs})

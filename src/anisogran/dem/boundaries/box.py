@@ -90,9 +90,9 @@ class Box:
         ]
 
     def extent(self, state):
-        """Lattice vectors (none) and the present area of the box."""
+        """What a Snapshot says of it: the present area of the box."""
         left, right, bottom, top = state.position
-        return None, float((right - left) * (top - bottom))
+        return {"volume": float((right - left) * (top - bottom))}
 
 
 def touch(boundary, wall, x, y, radius):

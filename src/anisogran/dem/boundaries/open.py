@@ -26,8 +26,8 @@ class Open:
         return ()
 
     def extent(self, state):
-        """Lattice vectors and volume as the averages want them: neither."""
-        return None, None
+        """What a Snapshot says of it: nothing."""
+        return {}
 
 
 def advance(boundary, body, spin, movable, reach, time, dt):

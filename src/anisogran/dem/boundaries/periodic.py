@@ -115,9 +115,10 @@ class Periodic:
         return tuple(pressure for pressure in self._pair("pressure") if pressure is not None)
 
     def extent(self, state):
-        """Lattice vectors as rows, and the present area of the cell."""
-        width, height, offset = state.lattice[:3]
-        return np.array([[width, 0.0], [offset, height]]), float(width * height)
+        """What a Snapshot says of it: lattice vectors as rows, and how fast images move by them; a pressed side carries them affinely."""
+        cell = lattice(state)
+        vectors = np.array([[cell.width, 0.0], [cell.offset, cell.height]])
+        return {"cell": vectors, "cell_velocity": np.array([[cell.column_speed, 0.0], [cell.shear_speed, cell.row_speed]])}
 
 
 def lattice(boundary):

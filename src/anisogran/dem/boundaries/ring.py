@@ -79,8 +79,8 @@ class Ring:
         return [("outer ring", float(thrust(state, body, movable) / length), pressure) for pressure in self.pressures()]
 
     def extent(self, state):
-        """Lattice vectors (none) and the present area within the outer ring, less that of an inner wall."""
-        return None, float(np.pi * (state.position[0] ** 2 - np.sum(state.position[1:] ** 2)))
+        """What a Snapshot says of it: the present area within the outer ring, less that of an inner wall."""
+        return {"volume": float(np.pi * (state.position[0] ** 2 - np.sum(state.position[1:] ** 2)))}
 
 
 def touch(boundary, wall, x, y, radius):
