@@ -19,9 +19,9 @@ def _numbers(name, value, shape=None):
         array = array.reshape(shape)
     if array.shape != shape:
         raise InputError(f"Snapshot: {name} has shape {array.shape}, expected {shape}")
-    bad = np.flatnonzero(~np.isfinite(array).all(axis=tuple(range(1, array.ndim))))
-    if bad.size:
-        raise InputError(f"Snapshot: {name}[{bad[0]}] is not finite")
+    finite = np.isfinite(array)
+    if not finite.all():
+        raise InputError(f"Snapshot: {name}[{np.argwhere(~finite)[0, 0]}] is not finite")
     return array
 
 

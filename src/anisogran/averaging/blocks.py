@@ -91,18 +91,17 @@ def labelled(values, place, volume):
 
     `volume` (cells,) that was averaged over is a coordinate.
     """
-    dataset = xr.Dataset(attrs={"conventions": CONVENTIONS, "on": place.name, "frame": place.frame, **place.attributes()})
+    variables = {}
     for name, array in values.items():
         rank = array.ndim - 1
-        dims = (*"ijk"[:rank], *place.dims)
         told = attributes(name, place.dimension)
         if np.isnan(array).any():
             told["reason"] = missing(name)
-        dataset[name] = (dims, array.reshape(array.shape[:rank] + place.shape), told)
+        variables[name] = ((*"ijk"[:rank], *place.dims), array.reshape(array.shape[:rank] + place.shape), told)
     coords = {name: (dims, array, attributes(name)) for name, (dims, array) in place.coords().items()}
     if place.name != "points":  # a kernel is a density already, there is no volume
         coords["volume"] = (place.dims, volume.reshape(place.shape), attributes("volume", place.dimension))
-    return dataset.assign_coords(coords)
+    return xr.Dataset(variables, coords, {"conventions": CONVENTIONS, "on": place.name, "frame": place.frame, **place.attributes()})
 
 
 def mean_and_error(blocks, dimension="block"):

@@ -55,9 +55,9 @@ def nearest_images(vectors, cell):
 
 
 @subkernel
-def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes):
+def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes, plane):
     """Fills the place e; vectors in the frame of the grain if there is one."""
-    d = len(arm)
+    d = len(plane)
     length = 0.0
     for k in range(d):
         length += arm[k] * arm[k]
@@ -77,9 +77,12 @@ def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes):
 
 
 @kernel
-def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, sector, axes):
-    """Writes the ends of all contacts at free grains and returns their number."""
-    d = position.shape[1]
+def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, sector, axes, plane):
+    """Writes the ends of all contacts at free grains and returns their number.
+
+    `plane` is a tuple as long as there are dimensions: the compiler knows its length, and unrolls what loops over it.
+    """
+    d = len(plane)
     force, arm = np.empty(d), np.empty(d)
     used = 0
     for c in range(len(pairs)):
@@ -88,7 +91,7 @@ def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, secto
             for k in range(d):
                 force[k] = forces[c, k]
                 arm[k] = points[c, k] - position[i, k]
-            write_end(ends, used, i, j, c, force, arm, overlaps[c], axes)
+            write_end(ends, used, i, j, c, force, arm, overlaps[c], axes, plane)
             used += 1
         if j < 0 or not free[j]:
             continue
@@ -110,7 +113,7 @@ def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, secto
             to_nearest_image(arm, cell)
             for k in range(d):
                 arm[k] = (points[c, k] - position[i, k]) - arm[k]
-        write_end(ends, used, j, i, c, force, arm, overlaps[c], axes)
+        write_end(ends, used, j, i, c, force, arm, overlaps[c], axes, plane)
         used += 1
     return used
 
@@ -186,7 +189,7 @@ def contact_ends(snapshot, axes=None):
     axes = np.empty((0, d, d)) if axes is None else axes
     used = fill_ends(
         ends, snapshot.position, snapshot.free, snapshot.pairs, snapshot.force, snapshot.point, snapshot.overlap,
-        lattice_of(snapshot), snapshot.sector or 0.0, axes,
+        lattice_of(snapshot), snapshot.sector or 0.0, axes, (0.0,) * d,
     )  # fmt: skip
     return ContactEnds(*(array[:used] for array in ends))
 

@@ -1,5 +1,6 @@
 """One snapshot as a place sees it, and the sums over its grains and contacts that the extensive quantities are made of."""
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
@@ -125,7 +126,7 @@ class Sample:
 
     def sums(self, values, shares=None):
         """sum_b w Q_b from values (B, ...)."""
-        columns = np.ascontiguousarray(values.reshape(len(values), -1), dtype=float)
+        columns = np.ascontiguousarray(values.reshape(len(values), math.prod(values.shape[1:])), dtype=float)
         total = weighted_sums(*(self.shares if shares is None else shares), columns, self.cells)
         return total.reshape(self.cells, *values.shape[1:])
 

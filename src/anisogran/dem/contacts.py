@@ -13,13 +13,15 @@ from anisogran.dem.walls import wall_contact
 
 
 @kernel
-def pair_table(body, pairs, normal, friction, boundary, largest, spring, out):
-    """Of all pairs in the list: branch vector (n, 2), overlap (n,) and force on the second grain (n, 2)."""
+def pair_table(body, pairs, order, normal, friction, boundary, largest, spring, out):
+    """Of the closed pairs in the list: grains (C, 2) as `order` numbers them, force on the first (C, 2), contact point (C, 2), overlap."""
     used = pairs.start[-1]
     cell = lattice(boundary)
-    branch = np.empty((used, 2))
-    overlap = np.empty(used)
+    grains = np.empty((used, 2), np.int64)
     force = np.empty((used, 2))
+    point = np.empty((used, 2))
+    overlap = np.empty(used)
+    closed = 0
     for begin in range(0, used, BLOCK):
         size = min(BLOCK, used - begin)
         pair_columns(body.rows, pairs.first, pairs.second, begin, size, out.pairs, out.whole)
@@ -28,12 +30,21 @@ def pair_table(body, pairs, normal, friction, boundary, largest, spring, out):
         pair_forces(out.pairs, pairs.reach[begin : begin + size], normal, friction, cell, memory, springs, None, out, 0.0)
         for k in range(size):
             dx, dy, _, _ = separation(cell, out.pairs[DX, k], out.pairs[DY, k], 0.0, 0.0)
-            branch[begin + k, 0] = dx
-            branch[begin + k, 1] = dy
-            overlap[begin + k] = pairs.reach[begin + k] - math.sqrt(dx * dx + dy * dy)
-            force[begin + k, 0] = out.force[FX, k]
-            force[begin + k, 1] = out.force[FY, k]
-    return branch, overlap, force
+            distance = math.sqrt(dx * dx + dy * dy)
+            depth = pairs.reach[begin + k] - distance
+            if depth <= 0:
+                continue
+            i = pairs.first[begin + k]
+            arm = (body.radius[i] - 0.5 * depth) / distance
+            grains[closed, 0] = order[i]
+            grains[closed, 1] = order[pairs.second[begin + k]]
+            force[closed, 0] = -out.force[FX, k]
+            force[closed, 1] = -out.force[FY, k]
+            point[closed, 0] = body.x[i] + arm * dx
+            point[closed, 1] = body.y[i] + arm * dy
+            overlap[closed] = depth
+            closed += 1
+    return grains[:closed], force[:closed], point[:closed], overlap[:closed]
 
 
 @kernel
@@ -60,16 +71,10 @@ def contact_table(state):
     Grains have the numbers that the user gave them.
     """
     memories = (None if memory is None else memory.copy() for memory in state.memory[:2])
-    branch, overlap, force = pair_table(
-        state.body, state.pairs, state.normal, state.friction, state.boundary, *memories, scratch(virial=False, whole=state.out.whole)
+    room = scratch(virial=False, whole=state.out.whole)
+    pairs, force, point, overlap = pair_table(
+        state.body, state.pairs, state.order, state.normal, state.friction, state.boundary, *memories, room
     )
-    closed = np.flatnonzero(overlap > 0)
-    first, second = state.pairs.first[closed].astype(np.int64), state.pairs.second[closed].astype(np.int64)
-    branch, overlap, force = branch[closed], overlap[closed], -force[closed]
-    arm = state.body.radius[first] - 0.5 * overlap
-    point = state.body.rows[first, :2] + branch * (arm / np.hypot(branch[:, 0], branch[:, 1]))[:, None]
-    pairs = np.stack([state.order[first], state.order[second]], axis=1)
-
     if state.wall_list is None:
         return pairs, force, point, overlap
     memories = (None if memory is None else memory.copy() for memory in state.wall_memory[:2])
