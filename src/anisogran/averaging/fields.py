@@ -16,6 +16,8 @@ from anisogran.averaging.mean_field import fluctuation_stress, inverse_spread, m
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError
 
+ROUNDING = 1e-12  # a deviator smaller than that share of its tensor is none
+
 
 class Field(NamedTuple):
     """`needs`: names whose values the formula gets, in that order ("place" is the place itself)."""
@@ -32,8 +34,9 @@ def half_turn(angle):
 
 
 def axis_angle(tensor):
-    """Angle of the major axis of a tensor in the plane; NaN where it has none."""
-    return np.where(tensors.deviator_size(tensor) > 0, tensors.principal_angle(tensor), np.nan)
+    """Angle of the major axis of a tensor in the plane; NaN where it is isotropic but for rounding, and so has none."""
+    size = np.sqrt(np.einsum("ij...,ij...->...", tensor, tensor))
+    return np.where(tensors.deviator_size(tensor) > ROUNDING * size, tensors.principal_angle(tensor), np.nan)
 
 
 def flat(values):
@@ -165,6 +168,8 @@ def field_values(quantities, place, names):
 def missing(name):
     """What a cell lacks where this field is NaN."""
     needs = extensive_needs([name])
+    if name.endswith("_angle"):
+        return "isotropic, or nothing to tell an axis from"
     if {"fabric", "overlap_moment", "branch_moment"} & set(needs):
         return "no contacts"
     return "no grains, or too few to tell a gradient" if "mass_spread" in needs else "no grains"

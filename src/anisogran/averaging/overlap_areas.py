@@ -36,7 +36,8 @@ def disc_in_circle(distance, radius, circle):
 @subkernel
 def beside_line(x):
     """Area of the unit disc to the left of the line at x, -1 <= x <= 1."""
-    return 0.5 * math.pi + x * math.sqrt(1 - x * x) + math.asin(x)
+    rise = math.sqrt((1 - x) * (1 + x))
+    return 0.5 * math.pi + x * rise + math.atan2(x, rise)
 
 
 @kernel
@@ -53,9 +54,11 @@ def disc_in_corner(x, y):
         if y < 0:
             return beside_line(y)
         return beside_line(x) + beside_line(y) - math.pi
-    half = math.sqrt(1 - y * y)  # of the chord at y; between its end and the corner the disc reaches from below up to y
-    area = y * (x + half) + 0.5 * (x * math.sqrt(1 - x * x) + math.asin(x) + half * abs(y) + math.asin(half))
-    return area + beside_line(-half) if y > 0 else area
+    # between the end of the chord at y and the corner, the disc reaches from below up to y; above 0 the part beside the chord is whole
+    half, rise = math.sqrt((1 - y) * (1 + y)), math.sqrt((1 - x) * (1 + x))
+    area = y * (x + half) + 0.5 * (x * rise + math.atan2(x, rise))
+    part = 0.5 * (half * abs(y) + math.atan2(half, abs(y)))
+    return area + part if y <= 0 else area - part + 0.5 * math.pi
 
 
 @subkernel
