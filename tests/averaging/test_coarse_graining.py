@@ -18,7 +18,7 @@ def clouds(dimension, rng):
     cloud = rng.uniform(-2, 3, (150, dimension))
     grid = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * dimension), -1).reshape(-1, dimension)
     axis = np.linspace(-2, 2, 90)[:, None]
-    far = np.concatenate([cloud[:60], 1e9 * rng.normal(size=(4, dimension)), [[1e15] + [0.0] * (dimension - 1)]])
+    far = np.concatenate([cloud[:60], 1e9 * rng.normal(size=(4, dimension)), [[1e25] + [0.0] * (dimension - 1)]])
     return {
         "cloud": cloud, "grid": grid, "line": axis * np.eye(dimension)[-1], "diagonal": axis * np.ones(dimension),
         "one place": np.repeat(cloud[:1], 30, axis=0), "one point": cloud[:1], "far": far,
@@ -41,6 +41,19 @@ def test_grain_weights_are_those_of_every_pair(kernel, dimension, width, rng):
         inside = np.linalg.norm(vectors, axis=-1) <= reach
         np.testing.assert_array_equal(np.diff(weights.indptr), inside.sum(axis=0))
         assert weights.nnz > 0
+
+
+@dimensions
+def test_no_body_at_the_very_reach_is_lost_to_rounding(dimension, rng):
+    """Points on the borders of the search's cells, which are half a reach wide, and bodies one reach from them."""
+    for reach in rng.uniform(0.1, 1.0, 300):
+        s = smoothing("heaviside", reach, dimension)
+        points, bodies = np.zeros((60, dimension)), np.zeros((240, dimension))
+        points[:, 0] = rng.uniform(-1, 1) + 0.5 * reach * np.arange(60)
+        one_reach_away = np.concatenate([points[:, 0] - reach, points[:, 0] + reach])
+        bodies[:, 0] = np.concatenate([np.nextafter(one_reach_away, -9.0), np.nextafter(one_reach_away, 99.0)])
+        inside = (points[:, None, 0] - bodies[None, :, 0]) ** 2 <= reach * reach
+        np.testing.assert_array_equal(grain_weights(points, bodies, s).toarray() > 0, inside)
 
 
 @dimensions

@@ -126,6 +126,23 @@ def test_the_mean_along_a_line_at_the_edge(kernel, dimension):
     assert half > 0.1 * s.norm
 
 
+@every
+def test_a_grazing_line_never_has_a_negative_mean(kernel, dimension, rng):
+    """Lines that pass, or begin, at the very reach, where the integral is smaller than the rounding of its terms."""
+    s = smoothing(kernel, 0.37, dimension)
+    turn = np.linalg.qr(rng.normal(size=(2000, dimension, dimension)))[0]
+    height = s.reach * (1 - np.concatenate([10 ** rng.uniform(-17, -3, 400), 1e-16 * rng.integers(-4, 5, 1600)]))
+    length = 10 ** rng.uniform(-8, 2, 2000)
+    start = height[:, None] * turn[:, 0] - (rng.uniform(0, 1, 2000) * length)[:, None] * turn[:, 1]
+    mean = line_weights(np.zeros((1, dimension)), start, length[:, None] * turn[:, 1], s).toarray()[0]
+    assert (mean >= 0).all()
+    top = {"gaussian": 1.03 * np.exp(-12.5), "lucy": 5e-9, "heaviside": 1.0}[kernel]  # at 0.999 of the reach
+    chord = 2 * np.sqrt(np.maximum(s.reach**2 - height**2, 0) + 1e-12 * s.reach**2)  # rounding moves a line by 1e-14 of a long branch
+    assert (mean <= top * s.norm * np.minimum(chord / length, 1)).all()
+    outward = line_weights(np.zeros((1, dimension)), height[:, None] * turn[:, 0], length[:, None] * turn[:, 0], s).toarray()[0]
+    assert (outward >= 0).all()
+
+
 @smooth
 def test_the_divergence_of_the_line_is_the_difference_of_its_ends(kernel, dimension, rng):
     """branch . grad of the integral = phi(x - start) - phi(x - end): why the stress of coarse graining balances momentum exactly."""

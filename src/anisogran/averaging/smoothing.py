@@ -29,10 +29,11 @@ def smoothing(kernel, width, dimension):
     """The Smoothing with one of the KERNELS and a width in m, in 2 or 3 dimensions; rho = r/reach.
 
     gaussian: norm exp(-r^2/(2 width^2)), cut off at reach = 5 width and normalised to 1 again: the width is its standard deviation.
-    lucy: norm (1 - rho)^3 (1 + 3 rho), reach = 2 width, twice differentiable at the reach. heaviside: norm within reach = width.
+    lucy: norm (1 - rho)^3 (1 + 3 rho), reach = 2 width, twice differentiable at the reach too. heaviside: norm within reach = width.
     Source: Weinhart, Thornton, Luding & Bokhove, Granular Matter 14 (2012) 289 and Tunuguntla, Thornton & Weinhart, Comput. Part. Mech.
-    3 (2016) 349, both from memory. Codes differ in what they call the width of a polynomial (MercuryDPM: its reach); compare
-    standard deviations. Raises InputError for an unknown kernel, a width that is not above 0 and a dimension that is not 2 or 3.
+    3 (2016) 349, both from memory. Codes differ: in MercuryDPM (read in its source) the Gaussian is cut off at 3 widths, and the width
+    of Lucy's polynomial is its reach; so compare standard deviations.
+    Raises InputError for an unknown kernel, a width that is not above 0 and a dimension that is not 2 or 3.
     """
     if kernel not in KERNELS:
         raise InputError(f"smoothing: kernel = {kernel!r} is unknown; known are {', '.join(KERNELS)}")
@@ -42,7 +43,7 @@ def smoothing(kernel, width, dimension):
     kind = KERNELS.index(kernel)
     reach = REACH[kind] * width
     if kind == GAUSSIAN:
-        integral = _moment(dimension) * ((2.0 * math.pi) if dimension == 2 else (4.0 * math.pi)) * width**dimension
+        integral = _moment(dimension) * 2.0 * (dimension - 1) * math.pi * width**dimension
     elif kind == LUCY:
         integral = (math.pi / 5.0 if dimension == 2 else 16.0 * math.pi / 105.0) * reach**dimension
     else:
