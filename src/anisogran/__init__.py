@@ -25,6 +25,8 @@ _NAMES = {
     "RingShear": "experiments",
     "SimpleShear": "experiments",
     "open": "files",
+    "read_lammps": "files",
+    "read_mercury": "files",
     "compare": "comparison",
 }
 

@@ -1,6 +1,11 @@
 """Files that other programs can read."""
 
+from anisogran.files.lammps import read_lammps
+from anisogran.files.mercury import read_mercury
 from anisogran.files.numbers import check_writable, json_text, write_json, write_text
 from anisogran.files.results import open, read_snapshot, save_results, snapshot_dataset
 
-__all__ = ["check_writable", "json_text", "open", "read_snapshot", "save_results", "snapshot_dataset", "write_json", "write_text"]
+__all__ = [
+    "check_writable", "json_text", "open", "read_lammps", "read_mercury", "read_snapshot", "save_results", "snapshot_dataset",
+    "write_json", "write_text",
+]  # fmt: skip
