@@ -39,12 +39,12 @@ def read_lammps(
         compute ids all property/local patom1 patom2 cutoff radius
         compute pairs all pair/local dist fx fy fz p1 p2 p3 cutoff radius
     in this order; for another order, or other columns, `columns` maps first, second, dist, fx, fy, fz, p1, p2, p3 to their names, such
-    as {"first": "c_ids[1]", ...}; dist, without friction p1 p2 p3, and in two dimensions fz and p3 may be left out. The force on the first grain is
-    (fx, fy, fz) + (p1, p2, p3): so in the source of compute pair/local and of pair gran/hooke/history, and checked by running LAMMPS
-    of 22 July 2025 (sums over the pairs against the force on each atom, and the stress against compute pressure, to the digits of the
-    dump after a `run 0`; within a run LAMMPS damps the atoms with velocities of the half step, but the pairs here with those of the full
-    step). Grains that do not touch are no contact, with or without a force. The contact point is on the line of centres, in the middle
-    of the overlap; `dump_modify ... format float %.12g` keeps the digits that overlaps need.
+    as {"first": "c_ids[1]", ...}; dist, without friction p1 p2 p3, and in two dimensions fz and p3 may be left out. The force on the
+    first grain is (fx, fy, fz) + (p1, p2, p3): so in the source of compute pair/local and of pair gran/hooke/history, and checked by
+    running LAMMPS of 22 July 2025 (sums over the pairs against the force on each atom, and the stress against compute pressure, to the
+    digits of the dump after a `run 0`; within a run LAMMPS damps its atoms with the velocities of the half step, but the pairs here with
+    those of the full step). Grains that do not touch are no contact, with or without a force. The contact point is on the line of
+    centres, in the middle of the overlap; `dump_modify ... format float %.12g` keeps the digits that overlaps need.
 
     `walls`: names such as "f_left" of `fix wall/gran ... contacts`, dumped with the grains as f_left[1] to f_left[8]. A contact of a
     grain with the wall walls[w] is (grain, -1 - w), the point on the wall. A fix keeps one contact a grain, so each wall needs its own.
