@@ -165,12 +165,11 @@ def test_bounds_of_a_box_tilted_backwards(written):
 
 
 def test_a_pair_across_the_border_of_a_tilted_cell(written):
-    box = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n0 5 1\n0 3 0\n-.5 .5 0"
-    # the image of grain 2 above the upper border lies at (2, 0.25) - (1, 3) + (1, 3): grain 1 is at (3, 3), grain 2 at (2.25, 0)
-    rows = ["1 3 3 0 .5 2", "2 2.25 0 0 .5 2"]
-    paths = written(grain_frame(rows=rows, box=box), contact_frame(["1 2 .25 0 0 0 0 0 0"]))
-    (snapshot,) = read_lammps(*paths)
-    np.testing.assert_allclose(snapshot.point, [[3.125, 3]], rtol=0, atol=1e-15)
+    box = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n0 5.875 1.875\n0 3 0\n-.5 .5 0"
+    # the lattice vectors are (4, 0) and (1.875, 3): grain 2 at (0.875, 0) has an image at (2.75, 3), a quarter left of grain 1
+    rows = ["1 3 3 0 .5 2", "2 .875 0 0 .5 2"]
+    (snapshot,) = read_lammps(*written(grain_frame(rows=rows, box=box), contact_frame(["1 2 .25 0 0 0 0 0 0"])))
+    assert snapshot.point.tolist() == [[2.875, 3]]
     assert snapshot.overlap.tolist() == [0.75]
 
 
@@ -322,9 +321,9 @@ def test_walls_that_are_not_dumped_or_not_there(written):
     with pytest.raises(InputError, match=r"line 9: no column 'f_a\[1\]'; present are id"):
         next(read_lammps(*written(grain_frame()), walls="f_a"))
     names = "id x y z radius mass " + " ".join(f"f_a[{k}]" for k in range(1, 9))
-    rows = ["1 .25 1 0 .5 2 0 0 0 0 0 0 0 0", "2 1.75 1 0 .5 2 1 -3 1 0 2.125 1 0 .5"]
+    rows = ["3 .25 1 0 .5 2 0 0 0 0 0 0 0 0", "1 1.75 1 0 .5 2 1 -3 1 0 2.125 1 0 .5", "2 3 1 0 .5 2 0 0 0 0 0 0 0 0"]
     (snapshot,) = read_lammps(*written(grain_frame(names, rows)), walls="f_a")
-    assert (snapshot.pairs.tolist(), snapshot.force.tolist(), snapshot.point.tolist()) == ([[1, -1]], [[-3, 1]], [[2.125, 1]])
+    assert (snapshot.pairs.tolist(), snapshot.force.tolist(), snapshot.point.tolist()) == ([[0, -1]], [[-3, 1]], [[2.125, 1]])
     assert snapshot.overlap.tolist() == [0.125]
     rows[1] = rows[1].replace("2.125", "2.5")
     with pytest.raises(InputError, match=r"line 11: the contact with wall 0 is not on the grain"):
@@ -341,6 +340,7 @@ def test_walls_that_are_not_dumped_or_not_there(written):
         ({"density": 1, "mass_of": "cube"}, "mass_of = 'cube' must be 'sphere' or 'disc'"),
         ({"dimension": 1}, "dimension = 1 must be 2 or 3"),
         ({"wall_types": "a"}, "wall_types = 'a' must be numbers"),
+        ({"columns": "c_a"}, "columns = 'c_a' must map our names to those in the dump"),
         ({"columns": {"one": "c"}}, "columns has an unknown key 'one'"),
         ({"columns": {"first": "c", "second": "d", "fy": "e"}}, "columns has no 'fx'"),
     ],

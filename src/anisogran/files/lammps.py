@@ -1,5 +1,6 @@
 """Grains and contacts of a LAMMPS run, from its `dump custom` and `dump local` files."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -62,11 +63,14 @@ def read_lammps(
         raise InputError(f"read_lammps: dimension = {dimension!r} must be 2 or 3")
     law = None if density is None else mass_law("read_lammps", density, mass_of)
     if columns is not None:
-        columns = dict(columns)
-        for name in set(columns) - set(CONTACT):
-            raise InputError(f"read_lammps: columns has an unknown key {name!r}; known are {', '.join(CONTACT)}")
-        for name in set(NEEDED) - set(columns):
-            raise InputError(f"read_lammps: columns has no {name!r}")
+        if not isinstance(columns, Mapping):
+            raise InputError(f"read_lammps: columns = {columns!r} must map our names to those in the dump")
+        for name in columns:
+            if name not in CONTACT:
+                raise InputError(f"read_lammps: columns has an unknown key {name!r}; known are {', '.join(CONTACT)}")
+        for name in NEEDED:
+            if name not in columns:
+                raise InputError(f"read_lammps: columns has no {name!r}")
     walls = (walls,) if isinstance(walls, str) else tuple(walls)
     return _snapshots(grains, contacts, law, type_list("read_lammps", wall_types), walls, columns, dimension, step, every)
 
@@ -189,7 +193,8 @@ def _grains(frame, table, order, dimension, wall_types):
     if len(order) == 0:
         frame.refuse("the frame holds no grain")
     position = table.stacked(AXES[:dimension])[order]
-    velocity, spin = (_motion(table, letter, order) for letter in ("v", "omega"))
+    zero = np.zeros(len(table))  # what the dump leaves out of the motion
+    velocity, spin = (np.stack([table.get(word + axis, zero)[order] for axis in AXES], axis=-1) for word in ("v", "omega"))
     radius, box = table["radius"][order], frame.header["box"]
     lattice = box.lattice[:dimension, :dimension]
     return Grains(
@@ -198,11 +203,6 @@ def _grains(frame, table, order, dimension, wall_types):
         cell=cell_of(lattice, box.periodic[:dimension], position, radius),
         volume=float(np.prod(np.diagonal(lattice))),
     )  # fmt: skip
-
-
-def _motion(table, letter, order):
-    """(N, 3): the columns vx, vy, vz or omegax, ..., zero where the dump has none."""
-    return np.stack([table.get(letter + axis, np.zeros(len(table)))[order] for axis in AXES], axis=-1)
 
 
 def _pairs(frame, columns, grains, ids):
