@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import quad
 
 SHAPES = {  # over r/width, and the reach in widths
-    "gaussian": (lambda x: np.exp(-0.5 * x * x), 5.0),
+    "gaussian": (lambda x: np.exp(-0.5 * x * x), 6.5),
     "lucy": (lambda x: (1 - x / 2) ** 3 * (1 + 3 * x / 2), 2.0),
     "heaviside": (lambda x: 1.0 + 0.0 * x, 1.0),
 }

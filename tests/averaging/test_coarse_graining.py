@@ -6,7 +6,7 @@ from plain_kernels import plain_line, plain_phi
 
 from anisogran.averaging import coarse_graining
 from anisogran.averaging.coarse_graining import gradient_weights, grain_and_gradient_weights, grain_weights, line_weights
-from anisogran.averaging.smoothing import KERNELS, smoothing
+from anisogran.averaging.smoothing_kernels import KERNELS, smoothing
 from anisogran.outcome import InputError
 
 dimensions = pytest.mark.parametrize("dimension", [2, 3])

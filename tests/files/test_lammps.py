@@ -108,7 +108,7 @@ def test_a_frame_in_two_dimensions_comes_back_exactly(written):
     expected = {
         "position": [[1, 1], [1.75, 1]], "radius": [0.375, 0.5], "mass": [16, 8], "velocity": [[2, 3], [4, 6]], "spin": [7, 5],
         "pairs": [[1, 0]], "force": [[3.5, 2]], "point": [[1.75 - (0.5 - 0.0625), 1]], "overlap": [0.125], "cell": [[4, 0], [0, 3]],
-        "volume": 12, "fixed": [False, False], "time": 7,
+        "volume": 12, "fixed": [False, False], "time": 7, "cell_velocity": None, "sector": None,
     }  # fmt: skip
     assert {field.name: np.asarray(getattr(snapshot, field.name)).tolist() for field in fields(Snapshot)} == expected
 

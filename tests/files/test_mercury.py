@@ -44,7 +44,7 @@ def test_a_frame_in_two_dimensions_comes_back_exactly(written):
     expected = {
         "position": [[1, 1], [1.75, 1]], "radius": [0.375, 0.5], "mass": [0.375**2, 0.5**2], "velocity": [[2, 3], [4, 6]],
         "spin": [7, 5], "pairs": [[0, 1]], "force": [[-3, 2]], "point": [[1.3125, 1]], "overlap": [0.125], "cell": None,
-        "volume": 12, "fixed": [False, True], "time": 0.5,
+        "volume": 12, "fixed": [False, True], "time": 0.5, "cell_velocity": None, "sector": None,
     }  # fmt: skip
     assert {field.name: np.asarray(getattr(snapshot, field.name)).tolist() for field in fields(Snapshot)} == expected
 

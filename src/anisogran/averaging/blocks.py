@@ -80,8 +80,9 @@ def standard_error(record, axis=False):
     neighbours = (deviation[1:] * deviation[:-1]).sum(axis=0)
     if count < JUDGED:
         return np.sqrt(scale / (count - 1) / count), float(count)
-    # the mean has been taken out of the record, which makes neighbours look opposed by 1/count
-    correlation = min(max(float((neighbours[known] / scale[known]).mean()) + 1 / count, 0.0), 1 - 1 / count) if known.any() else 0.0
+    found = float((neighbours[known] / scale[known]).mean()) if known.any() else 0.0
+    # the mean has been taken out of the record, so c is found too low by (1 + 4 c)/count (Kendall 1954, from memory)
+    correlation = min(max((found + 1 / count) / (1 - 4 / count), 0.0), 1 - 1 / count)
     independent = count * (1 - correlation) / (1 + correlation)
     return np.sqrt(scale / (count - 1) / independent), independent
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from anisogran.averaging.places import Grid, Points, Rings, WholeBox, grid_points
-from anisogran.averaging.smoothing import smoothing
+from anisogran.averaging.smoothing_kernels import smoothing
 from anisogran.outcome import InputError, checked
 
 PLACES = ("box", "rings", "grid", "points")

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from scipy.sparse import csc_array
 
-from anisogran.averaging.smoothing import HEAVISIDE, KERNELS, line_mean, phi, slope
+from anisogran.averaging.smoothing_kernels import HEAVISIDE, KERNELS, line_mean, phi, slope
 from anisogran.compiled import kernel, subkernel
 from anisogran.outcome import InputError
 

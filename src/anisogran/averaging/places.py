@@ -13,7 +13,7 @@ import numpy as np
 from anisogran.averaging.coarse_graining import grain_weights
 from anisogran.averaging.images import Images, images
 from anisogran.averaging.overlap_areas import grid_shares, ring_shares
-from anisogran.averaging.smoothing import KERNELS, Smoothing, standard_deviation
+from anisogran.averaging.smoothing_kernels import KERNELS, Smoothing, standard_deviation
 
 
 class Shares(NamedTuple):

@@ -11,7 +11,7 @@ from anisogran.outcome import InputError, checked
 
 KERNELS = ("gaussian", "lucy", "heaviside")
 GAUSSIAN, LUCY, HEAVISIDE = range(3)
-REACH = (5.0, 2.0, 1.0)  # in widths; at five standard deviations the Gaussian has fallen to 4e-6 of its top
+REACH = (6.5, 2.0, 1.0)  # in widths; there the Gaussian has fallen to 7e-10 of its top, so that sums over a grid of points keep the mass
 SHORT = 3e-4  # in reaches: below, the closed forms would lose digits in a difference, and two points of Gauss-Legendre lose none
 
 
@@ -28,7 +28,7 @@ class Smoothing(NamedTuple):
 def smoothing(kernel, width, dimension):
     """The Smoothing with one of the KERNELS and a width in m, in 2 or 3 dimensions; rho = r/reach.
 
-    gaussian: norm exp(-r^2/(2 width^2)), cut off at reach = 5 width and normalised to 1 again: the width is its standard deviation.
+    gaussian: norm exp(-r^2/(2 width^2)), cut off at reach = 6.5 width and normalised to 1 again: the width is its standard deviation.
     lucy: norm (1 - rho)^3 (1 + 3 rho), reach = 2 width, twice differentiable at the reach too. heaviside: norm within reach = width.
     Source: Weinhart, Thornton, Luding & Bokhove, Granular Matter 14 (2012) 289 and Tunuguntla, Thornton & Weinhart, Comput. Part. Mech.
     3 (2016) 349, both from memory. Codes differ: in MercuryDPM (read in its source) the Gaussian is cut off at 3 widths, and the width

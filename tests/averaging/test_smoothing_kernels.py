@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from plain_kernels import SHAPES, SPHERE, plain_line, plain_moment, plain_phi
 
 from anisogran.averaging.coarse_graining import gradient_weights, grain_weights, line_weights
-from anisogran.averaging.smoothing import KERNELS, smoothing, standard_deviation
+from anisogran.averaging.smoothing_kernels import KERNELS, smoothing, standard_deviation
 from anisogran.outcome import InputError
 
 EVERY = [(kernel, dimension) for kernel in KERNELS for dimension in (2, 3)]
@@ -42,13 +42,13 @@ def test_a_kernel_integrates_to_one_and_has_the_spread_it_says(kernel, dimension
 
 
 def test_widths_mean_what_they_are_said_to_mean():
-    """The Gaussian's width is its standard deviation but for the little that is cut off; the reach is 5, 2 and 1 widths."""
-    for dimension, lost in ((2, 12.5 * np.exp(-12.5)), (3, 5**3 * np.exp(-12.5) * np.sqrt(2 / np.pi) / 3)):
+    """The Gaussian's width is its standard deviation but for the little that is cut off; the reach is 6.5, 2 and 1 widths."""
+    for dimension, lost in ((2, 21.125 * np.exp(-21.125)), (3, 6.5**3 * np.exp(-21.125) * np.sqrt(2 / np.pi) / 3)):
         deviation = standard_deviation(smoothing("gaussian", 2.0, dimension))
-        assert deviation == pytest.approx(2.0 * np.sqrt(1 - lost), rel=1e-8)  # next order: the square of 1.2e-4
+        assert deviation == pytest.approx(2.0 * np.sqrt(1 - lost), rel=1e-13)  # next order: the square of 5e-8
     assert standard_deviation(smoothing("lucy", 2.0, 3)) == pytest.approx(2.0 / np.sqrt(3))
     assert standard_deviation(smoothing("heaviside", 2.0, 2)) == pytest.approx(1.0)
-    assert [smoothing(kernel, 2.0, 2).reach for kernel in KERNELS] == [10.0, 4.0, 2.0]
+    assert [smoothing(kernel, 2.0, 2).reach for kernel in KERNELS] == [13.0, 4.0, 2.0]
 
 
 @every
@@ -58,8 +58,8 @@ def test_the_profile_is_the_formula_and_ends_at_the_reach(kernel, dimension):
     r = np.linspace(0, 1, 40) * s.reach
     np.testing.assert_allclose(profile(s, r), s.norm * shape(r / 0.25), rtol=1e-13, atol=1e-15 * s.norm)
     assert profile(s, [0.0])[0] == s.norm
-    edge = {"gaussian": np.exp(-12.5), "lucy": 0.0, "heaviside": 1.0}[kernel] * s.norm
-    assert profile(s, [s.reach])[0] == pytest.approx(edge, rel=1e-13)  # a body exactly at the reach counts
+    edge = {"gaussian": np.exp(-21.125), "lucy": 0.0, "heaviside": 1.0}[kernel] * s.norm
+    assert profile(s, [s.reach])[0] == pytest.approx(edge, rel=1e-12)  # a body exactly at the reach counts
     assert profile(s, [s.reach * (1 + 1e-12)])[0] == 0.0
 
 
