@@ -28,32 +28,93 @@ def figure(columns, rows=1, width=4.4, height=3.5):
     return fig, fig.subplots(rows, columns, squeeze=False)
 
 
-def draw_packing(axes, snapshot, title=""):
-    """Grains as discs and contact forces as lines between centres (or to the wall), as wide as the force is strong."""
-    diameter = 2 * snapshot.radius
-    for mask, colour in ((snapshot.free, GRAIN), (snapshot.fixed, WALL)):
-        if mask.any():
-            axes.add_collection(
-                EllipseCollection(
-                    diameter[mask], diameter[mask], np.zeros(mask.sum()), units="xy", offsets=snapshot.position[mask],
-                    transOffset=axes.transData, facecolors=colour, edgecolors="white", linewidths=0.2,
-                )
-            )  # fmt: skip
-    first, second = snapshot.pairs.T
-    begin = snapshot.position[first]
-    end = snapshot.point.copy()
-    inner = second >= 0
-    end[inner] = begin[inner] + nearest_image(snapshot, snapshot.position[second[inner]] - begin[inner])
-    strength = np.hypot(*snapshot.force.T)
-    strong = strength > 0.05 * strength.mean()
+def draw_discs(axes, snapshot, mask, colour):
+    """The grains of the mask (N,) as discs; `colour` is one, or one for each of them."""
+    diameter = 2 * snapshot.radius[mask]
     axes.add_collection(
-        LineCollection(
-            np.stack([begin, end], axis=1)[strong], linewidths=0.75 * strength[strong] / strength.mean(), colors=CHAIN, capstyle="round"
+        EllipseCollection(
+            diameter, diameter, np.zeros(len(diameter)), units="xy", offsets=snapshot.position[mask], transOffset=axes.transData,
+            facecolors=colour, edgecolors="white", linewidths=0.2,
         )
-    )
-    low, high = snapshot.position.min(axis=0) - diameter.max(), snapshot.position.max(axis=0) + diameter.max()
+    )  # fmt: skip
+
+
+def branches(snapshot, first, second):
+    """Lines (n, 2, 2) from the centres of the first grains to the nearest images of the second ones."""
+    begin = snapshot.position[first]
+    return np.stack([begin, begin + nearest_image(snapshot, snapshot.position[second] - begin)], axis=1)
+
+
+def draw_packing(axes, snapshot, title="", colour=CHAIN):
+    """Grains as discs and contact forces as lines between centres (or to the wall), as wide as the force is strong."""
+    for mask, body in ((snapshot.free, GRAIN), (snapshot.fixed, WALL)):
+        if mask.any():
+            draw_discs(axes, snapshot, mask, body)
+    first, second = snapshot.pairs.T
+    inner = second >= 0
+    lines = np.stack([snapshot.position[first], snapshot.point], axis=1)
+    lines[inner] = branches(snapshot, first[inner], second[inner])
+    strength = np.hypot(*snapshot.force.T)
+    if strength.any():
+        strong = strength > 0.05 * strength.mean()
+        widths = 0.75 * strength[strong] / strength.mean()
+        axes.add_collection(LineCollection(lines[strong], linewidths=widths, colors=colour, capstyle="round"))
+    border = 2 * snapshot.radius.max()
+    low, high = snapshot.position.min(axis=0) - border, snapshot.position.max(axis=0) + border
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", title=title)
     axes.set_axis_off()
+
+
+def chain_figure(snapshot, chains, title=""):
+    """The packing with its contact forces in grey, and on it the grains and links of the force chains, of `grain_chains`.
+
+    Each chain has one colour; there are few colours, so chains apart may share one.
+    """
+    fig, axes = figure(1, width=6.0, height=6.0)
+    draw_packing(axes[0, 0], snapshot, title, colour="0.6")
+    chain, links = chains.chain_of.values, chains.links.values
+    colour = np.array(SERIES)[chain % len(SERIES)]
+    member = chain >= 0
+    if member.any():
+        draw_discs(axes[0, 0], snapshot, member, [(name, 0.45) for name in colour[member]])
+        lines = branches(snapshot, *links.T)
+        axes[0, 0].add_collection(LineCollection(lines, linewidths=2.5, colors=colour[links[:, 0]], capstyle="round"))
+    return fig
+
+
+def direction_figure(directions, title=""):
+    """Of `contact_directions`: the contact normals as a polar histogram with its error bars and harmonics, and beside it the forces."""
+    fig = Figure(figsize=(8.4, 3.8), layout="constrained")
+    polar, forces = fig.add_subplot(1, 2, 1, projection="polar"), fig.add_subplot(1, 2, 2)
+    angle = directions.angle.values
+    density = directions.contact_density
+    circle = np.linspace(0, 2 * np.pi, 361)
+
+    def second(axis, turn=np.cos):
+        return turn(2 * (circle - float(directions[axis])))
+
+    polar.bar(angle, density, 2 * np.pi / len(angle), color=GRAIN, edgecolor="white", lw=0.4, label="contacts")
+    polar.errorbar(angle, density, directions.contact_density_error, fmt="none", ecolor=WALL, elinewidth=0.8)
+    wave = float(directions.a2) * second("axis") + float(directions.a4) * np.cos(4 * (circle - float(directions["axis"])))
+    text = ", ".join(f"{label(name)} = {float(directions[name]):.2f}" for name in ("a2", "a4"))
+    polar.plot(circle, (1 + wave) / (2 * np.pi), color=COLOURS["fit"], lw=1.6, label=text)
+    polar.set(title=title, yticks=[], ylim=(0, None))
+    polar.legend(fontsize=8, frameon=False, loc="lower left", bbox_to_anchor=(-0.2, -0.1))
+    # the harmonics are those of f0 = <f_n>/(1 + a2 a_n cos 2(axes)/2), the mean over directions instead of contacts
+    a_n, a_t = float(directions.a_n), float(directions.a_t)
+    tilt = 2 * (float(directions["axis"]) - float(directions.normal_axis))
+    level = 1 / (1 + 0.5 * float(directions.a2) * a_n * np.cos(tilt))
+    for name, wave, text, colour in (
+        ("normal_force", 1 + a_n * second("normal_axis"), "a_n", COLOURS["dem"]),
+        ("tangential_force", -a_t * second("tangential_axis", np.sin), "a_t", SERIES[1]),
+    ):
+        text = f"{label(name)}, {label(text)} = {float(directions[text]):.2f}"
+        forces.plot(np.degrees(angle), directions[name], "o", ms=3, color=colour)
+        forces.plot(np.degrees(circle), level * wave, lw=1.6, color=colour, label=text)
+    forces.axhline(0, color="0.7", lw=0.8)
+    forces.set(xlabel=r"angle $\theta$ of the contact normal [degrees]", xlim=(0, 360), xticks=range(0, 361, 90))
+    forces.legend(fontsize=8, frameon=False)
+    return fig
 
 
 def biaxial_curves(series, fits, element=None):
