@@ -82,7 +82,9 @@ def test_directions_are_a_polar_histogram_with_their_harmonics(tmp_path):
     np.testing.assert_allclose(wave.get_ydata(), (1 + 0.5 * np.cos(2 * np.radians(wave.get_xdata()))) / mean, rtol=1e-9)
     fig.savefig(tmp_path / "four.png")
     nothing = contact_directions(Snapshot(position, pairs=[], force=[], point=[], **{**rest, "overlap": []}))
-    plots.direction_figure(nothing).savefig(tmp_path / "nothing.png")  # a snapshot without contacts is drawn empty
+    fig = plots.direction_figure(nothing)
+    assert fig.axes[0].get_title() == "no contacts"
+    fig.savefig(tmp_path / "nothing.png")
 
 
 def test_contact_law_shows_branches_and_marks():

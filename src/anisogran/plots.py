@@ -86,8 +86,10 @@ def direction_figure(directions, title=""):
     """Of `contact_directions`: the contact normals as a polar histogram with its error bars and harmonics, and beside it the forces."""
     fig = Figure(figsize=(8.4, 3.8), layout="constrained")
     polar, forces = fig.add_subplot(1, 2, 1, projection="polar"), fig.add_subplot(1, 2, 2)
-    angle = directions.angle.values
-    density = directions.contact_density
+    if directions.contacts == 0:
+        polar.set(title=title or "no contacts", yticks=[])
+        return fig
+    angle, density = directions.angle.values, directions.contact_density
     circle = np.linspace(0, 2 * np.pi, 361)
 
     def second(axis, turn=np.cos):
@@ -99,7 +101,7 @@ def direction_figure(directions, title=""):
     text = ", ".join(f"{label(name)} = {float(directions[name]):.2f}" for name in ("a2", "a4"))
     polar.plot(circle, (1 + wave) / (2 * np.pi), color=COLOURS["fit"], lw=1.6, label=text)
     polar.set(title=title, yticks=[], ylim=(0, None))
-    polar.legend(fontsize=8, frameon=False, loc="lower left", bbox_to_anchor=(-0.2, -0.1))
+    polar.legend(fontsize=8, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
     # the harmonics are those of f0 = <f_n>/(1 + a2 a_n cos 2(axes)/2), the mean over directions instead of contacts
     a_n, a_t = float(directions.a_n), float(directions.a_t)
     tilt = 2 * (float(directions["axis"]) - float(directions.normal_axis))
@@ -113,7 +115,7 @@ def direction_figure(directions, title=""):
         forces.plot(np.degrees(circle), level * wave, lw=1.6, color=colour, label=text)
     forces.axhline(0, color="0.7", lw=0.8)
     forces.set(xlabel=r"angle $\theta$ of the contact normal [degrees]", xlim=(0, 360), xticks=range(0, 361, 90))
-    forces.legend(fontsize=8, frameon=False)
+    forces.legend(fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return fig
 
 

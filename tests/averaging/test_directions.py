@@ -148,6 +148,13 @@ def test_both_ends_of_a_contact_count_and_a_wall_once():
     assert (left.contacts, left.contact_ends) == (3, 3)
 
 
+def test_error_of_the_second_coefficient_is_that_of_independent_contacts():
+    """2 cos 2(theta - axis) is 2 thrice and -2 once: mean 1, variance 3, for a mean of four."""
+    dataset = contact_directions(star(np.array([0.1, 0.1, 0.1, 0.1 + np.pi / 2])))
+    assert dataset.a2 == pytest.approx(1.0)
+    assert dataset.a2_error == pytest.approx(np.sqrt(3 / 4))
+
+
 def test_bins_cover_the_circle_from_zero():
     dataset = contact_directions(star(np.array([1e-9, np.pi / 2 + 1e-9, -1e-9])), bins=8)
     np.testing.assert_allclose(dataset.angle, (np.arange(8) + 0.5) * np.pi / 4, **EXACT)
@@ -191,6 +198,9 @@ def test_no_contacts_are_no_directions():
     pulled = contact_directions(make([[0, 0], [1, 0]], [0.5] * 2, [(0, 1)], [(1, 0)]))  # tension only
     assert pulled.mean_normal_force == -1.0
     assert np.isnan(pulled.normal_force).all()
+    three = lattice([0.1, 1.0, 2.0])
+    assert contact_directions(three).a_n == pytest.approx(0, abs=1e-12)
+    assert np.isnan(contact_directions(make(three.position, three.radius, three.pairs, -three.force)).a_n)
 
 
 def test_bad_options_are_refused():

@@ -79,10 +79,21 @@ def test_two_forces_make_a_strong_and_a_weak_network():
     np.testing.assert_allclose(network.relative_force, [0.5, 1.5, 3.0], **EXACT)
 
 
+def test_the_weak_network_takes_away_from_the_deviator():
+    """4 along x; along y half of the contacts with 3.5, half with 1: mean 3.125, whole stress diag(64, 36), strong diag(64, 28)."""
+    even = lattice(horizontal=4.0, vertical=3.5)
+    force = even.force.copy()
+    force[24:] /= 3.5
+    network = force_network(make(even.position, even.radius, even.pairs, force, point=even.point, cell=even.cell))
+    assert network.strong_share == 24 / 32
+    assert network.strong_pressure_share == pytest.approx(92 / 100)
+    assert network.strong_deviator_share == pytest.approx(36 / 28)
+
+
 def test_a_contact_counts_once_with_a_grain_a_wall_or_a_wall_grain():
     """Forces 1, 2 and 6 on disc 0: participation 9^2/(3 * 41)."""
     snapshot = make(
-        [[0, 0], [1, 0], [0, 1]], [0.5] * 3, [(0, 1), (0, 2), (0, -3)], [(-1.0, 0.7), (0.3, -2.0), (0, 6.0)],
+        [[0, 0], [1.5, 0], [0, 1]], [0.5, 1.0, 0.5], [(0, 1), (0, 2), (0, -3)], [(-1.0, 0.7), (0.3, -2.0), (0, 6.0)],
         point=[[0.5, 0], [0, 0.5], [0, -0.5]], fixed=[0, 0, 1],
     )  # fmt: skip
     network = force_network(snapshot, bins=6)
@@ -90,8 +101,8 @@ def test_a_contact_counts_once_with_a_grain_a_wall_or_a_wall_grain():
     assert network.mean_normal_force == pytest.approx(3.0)  # the tangential parts do not count
     assert network.participation == pytest.approx(81 / (3 * 41))
     assert network.strong_share == pytest.approx(1 / 3)
-    # the trace: branches of 1 between the two free discs, of 1/2 at the wall grain and at the wall
-    assert network.strong_pressure_share == pytest.approx(3.0 / (1.0 + 1.0 + 3.0))
+    # the trace: branches of 1.5 between the two free discs, of 0.5 at the wall grain and at the wall
+    assert network.strong_pressure_share == pytest.approx(3.0 / (1.5 + 1.0 + 3.0))
     np.testing.assert_allclose(network.attrs["edges"], np.arange(7) / 3, **EXACT)
     assert float(network.force_density.sum()) / 3 == pytest.approx(1.0)
     assert network.force_density[5] == pytest.approx(1.0)  # a third of the contacts, in a bin of a third
@@ -123,6 +134,12 @@ def test_a_straight_column_is_a_chain():
     np.testing.assert_allclose(chains.major_stress, [1.0 / (np.pi * 0.25)] * 5 + [0.0] * 5, **EXACT)
 
 
+def test_the_length_of_a_chain_is_in_mean_diameters():
+    path = line_up(column(0.0), idle=5)
+    small = make(0.1 * path.position, 0.1 * path.radius, path.pairs, path.force, point=0.1 * path.point)
+    assert grain_chains(small).chain_length[0] == pytest.approx(4.0)
+
+
 def test_parallel_columns_are_two_chains_and_the_largest_is_the_first():
     chains = grain_chains(line_up(column(0.0, 3), column(1.0, 6)))
     assert chains.chain_grains.values.tolist() == [6, 3]
@@ -133,8 +150,9 @@ def test_parallel_columns_are_two_chains_and_the_largest_is_the_first():
 def test_a_bent_chain_breaks_where_it_turns_too_much():
     """A disc at a bend of 60 degrees has its major stress 30 degrees from both its contacts."""
     path = line_up(bent(np.pi / 3))
-    for angle in (np.pi / 4, np.pi / 6):  # on the limit it still holds
-        assert grain_chains(path, angle=angle).chain_grains.values.tolist() == [7]
+    assert grain_chains(path).chain_grains.values.tolist() == [7]
+    for turn in np.linspace(0.3, 1.3, 20):  # on the limit it still holds, by more than a rounding
+        assert grain_chains(line_up(bent(turn)), angle=turn / 2).chain_grains.values.tolist() == [7]
     assert grain_chains(path, angle=np.pi / 6.1).chain_grains.values.tolist() == [3, 3]
     assert grain_chains(path).mean_axis == pytest.approx(np.pi / 6)
     # three links along 0 and three along 60 degrees
@@ -143,14 +161,26 @@ def test_a_bent_chain_breaks_where_it_turns_too_much():
     assert grain_chains(line_up(bent(np.pi / 2)), angle=np.pi / 2).chain_grains.values.tolist() == [3, 3]
 
 
+def test_a_row_that_ends_on_a_stronger_column_is_a_chain_of_its_own():
+    """The last disc of the row sees the column ahead, the column sees it from the side; a wall stands for no disc."""
+    position = np.array([[0, 1], [0, 0], [0, 2], [3, 1], [2, 1], *[(9 + 2 * k, 9) for k in range(6)], [1, 1]], float)
+    pairs = [(1, -1), (2, -2), (3, -3), (0, 1), (0, 2), (3, 4), (4, 11), (11, 0)]
+    normal = np.array([[0, -1], [0, 1], [1, 0], [0, -1], [0, 1], [-1, 0], [-1, 0], [-1, 0]], float)
+    force = -normal * np.array([5, 5, 2, 5, 5, 2, 2, 2])[:, None]
+    junction = make(position, [0.5] * 12, pairs, force, point=position[[i for i, _ in pairs]] + 0.5 * normal)
+    assert grain_chains(junction).chain_of.values.tolist() == [0, 0, 0, 1, 1, *[-1] * 6, 1]
+
+
 def test_an_evenly_loaded_lattice_has_no_chains():
     for vertical in (0.1, 0.3):
-        chains = grain_chains(lattice(horizontal=0.1, vertical=vertical))  # all grains bear the mean, none more
+        chains = grain_chains(lattice(7, horizontal=0.1, vertical=vertical))  # all grains bear the mean, none more but by rounding
         assert (chains.chain_of == -1).all()
         assert chains.chain_share == 0.0
         assert np.isnan(chains.alignment)
         assert np.isnan(chains.mean_axis)
-        assert chains.sizes == {"grain": 16, "link": 0, "end": 2, "chain": 0}
+        assert chains.sizes == {"grain": 49, "link": 0, "end": 2, "chain": 0}
+    for turn in np.linspace(0.1, 1.5, 15):
+        assert grain_chains(line_up(column(0.0, 40), idle=0, turn=turn), least_grains=2).sizes["chain"] == 0
 
 
 def test_a_pair_is_no_chain_but_on_demand():
@@ -180,6 +210,8 @@ def test_wall_grains_are_wall():
     assert chains.chain_of.values.tolist() == [-1] + [0] * 4 + [-1] * 10
     assert chains.chain_share == pytest.approx(4 / 14)
     assert chains.major_stress[0] == 0.0
+    idle_walls = make(path.position, path.radius, path.pairs, path.force, point=path.point, fixed=np.arange(15) >= 5)
+    assert grain_chains(idle_walls).sizes["chain"] == 0  # the mean is that of the free grains, which all bear the same
     nothing_free = grain_chains(make(path.position, path.radius, path.pairs, path.force, point=path.point, fixed=[True] * 15))
     assert np.isnan(nothing_free.chain_share)
 

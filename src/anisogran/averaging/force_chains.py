@@ -140,7 +140,7 @@ def grain_loads(snapshot, ends):
     major = tensors.mean(stress) + size
     free = snapshot.free
     mean = major[free].mean() if free.any() else np.inf
-    strong = free & (major > mean + ROUNDING * np.abs(mean)) & (size > ROUNDING * np.abs(major))
+    strong = (major > mean + ROUNDING * np.abs(mean)) & (size > ROUNDING * np.abs(major))  # a wall grain bears nothing
     return major, np.exp(1j * tensors.principal_angle(stress)), strong
 
 
