@@ -2,9 +2,8 @@
 
 from anisogran.averaging.averages import average
 from anisogran.averaging.blocks import TimeBlocks, drift, field_profiles, mean_and_error
-from anisogran.averaging.box import contact_network
 from anisogran.averaging.densities import densities
-from anisogran.averaging.directions import contact_directions, fourier_coefficients
+from anisogran.averaging.directions import contact_directions, contact_network, fourier_coefficients
 from anisogran.averaging.fields import KNOWN, extensive_needs, field_values
 from anisogran.averaging.force_chains import force_network, grain_chains
 from anisogran.averaging.places import Grid, Points, Rings, WholeBox

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from anisogran.averaging.grain_sums import contact_ends
+from anisogran.averaging.sample import contact_lines
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError
 from anisogran.snapshot import Snapshot
@@ -99,6 +100,26 @@ def contact_directions(snapshots, bins=36, where=None, frame="lab", walls=True):
     if sums is None:
         raise InputError("contact_directions: there is no snapshot")
     return angular_dataset(sums, frame)
+
+
+class ContactNetwork(NamedTuple):
+    """The directions and the size of a contact network, as the affine moduli need them."""
+
+    a2: float  # second Fourier coefficient of the contact directions, along the axis of the fabric
+    a4: float  # fourth Fourier coefficient
+    scale: float  # (1/V) sum over contacts of the squared branch length, each contact once
+
+
+def contact_network(snapshot, angle=None):
+    """The ContactNetwork of a whole 2D sample; `angle` of the axis in radians, default the major axis of the branches.
+
+    Contacts count with their squared branch length, as in the stiffness; a wall contact has the branch from the grain's centre to the
+    wall. The coefficients are NaN without contacts. Raises InputError in three dimensions.
+    """
+    branch = contact_lines(snapshot, contact_ends(planar(snapshot, "contact_network"))).branch
+    square = np.einsum("cd,cd->c", branch, branch)
+    a2, a4, _ = fourier_coefficients(np.arctan2(branch[:, 1], branch[:, 0]), square, angle)
+    return ContactNetwork(a2, a4, float(square.sum() / snapshot.volume))
 
 
 def planar(snapshot, name):
