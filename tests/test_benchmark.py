@@ -41,7 +41,7 @@ def test_the_made_packing_is_the_common_one(packing):
 
 def test_large_packings_are_laid_with_tiles(monkeypatch):
     """Twice as wide and high as the tile, and every contact of the tile four times: across the borders as well."""
-    monkeypatch.setattr("anisogran.benchmark.LARGEST_TILE", 200)
+    monkeypatch.setattr("anisogran.benchmark.shear.LARGEST_TILE", 200)
     contacts = []
     for grains in (200, 800):
         position, radius, side = made_packing(grains)

@@ -65,7 +65,7 @@ def test_every_outcome_has_its_exit_code(error, code, monkeypatch, capsys):
     def fail(**_):
         raise error
 
-    monkeypatch.setattr(cli, "app", fail)
+    monkeypatch.setattr(cli.application, "app", fail)
     given, _, err = run(capsys, "demo")
     assert given == code
     assert err.count("\n") == 1
@@ -75,7 +75,7 @@ def test_what_is_no_mistake_of_the_user_is_not_hidden(monkeypatch):
     def fail(**_):
         raise TypeError("a bug")
 
-    monkeypatch.setattr(cli, "app", fail)
+    monkeypatch.setattr(cli.application, "app", fail)
     with pytest.raises(TypeError, match="a bug"):
         cli.main(["demo"])
 
@@ -85,7 +85,7 @@ def test_a_failed_run_leaves_no_empty_folder(tmp_path, monkeypatch, capsys):
         raise RunFailed("stopped at step 3")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cli, "run_and_report", fail)
+    monkeypatch.setattr(cli.demo_command, "run_and_report", fail)
     code, _, err = run(capsys, "demo")
     assert (code, err) == (3, "anisogran: stopped at step 3\n")
     assert list(tmp_path.iterdir()) == []
@@ -96,7 +96,7 @@ def test_an_interrupt_says_that_nothing_was_written(tmp_path, monkeypatch, capsy
         raise KeyboardInterrupt
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(cli, "run_and_report", interrupt)
+    monkeypatch.setattr(cli.demo_command, "run_and_report", interrupt)
     code, _, err = run(capsys, "demo")
     assert (code, err) == (130, "anisogran: interrupted; nothing was written\n")
     assert list(tmp_path.iterdir()) == []
@@ -106,7 +106,7 @@ def test_a_folder_that_is_not_empty_is_used_if_forced(tmp_path, monkeypatch, cap
     def fail(*_):
         raise RunFailed("x")
 
-    monkeypatch.setattr(cli, "run_and_report", fail)
+    monkeypatch.setattr(cli.demo_command, "run_and_report", fail)
     (tmp_path / "thing").write_text("mine")
     assert run(capsys, "demo", "--out", str(tmp_path))[0] == 2
     assert run(capsys, "demo", "--out", str(tmp_path), "--force")[0] == 3  # it got as far as the run

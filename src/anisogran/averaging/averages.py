@@ -36,8 +36,8 @@ def average(grains, on="box", fields=None, width=None, *, edges=None, points=Non
     edges: instead, those of the rings (in space: (rings, levels)) or of the rectangles (x edges, y edges), ascending, in m.
     kernel: "gaussian" (default on points; `width` is its standard deviation), "lucy" (reach of two widths) or "heaviside" (reach of one);
     with on="grid" the fields are smoothed at the middles of the rectangles.
-    least_contacts: a grain with fewer is a rattler and left out of coordination_number; default one more than the dimension, which is right
-    without friction; 2 with friction in the plane.
+    least_contacts: a grain with fewer is a rattler and left out of coordination_number; default 2 if any contact bears a tangential force,
+    else one more than the dimension.
     velocity, spin and their gradients are those of the linear field that fits the grains of a cell best by mass, told at the middle of the
     cell (of the box: at the centre of mass); stress_dynamic is the rest. NaN where a cell holds no grain, no contact, or too few.
     Raises InputError for whatever is not known, does not fit, or is not there.

@@ -78,14 +78,18 @@ def rings(snapshot, width, edges, points, kernel):
     return Rings(ascending("edges of the rings", r_edges, 2, 0.0), ascending("levels", levels, 2) if space else np.empty(0))
 
 
+def grid_bounds(snapshot):
+    """(low, high) of the default grid along each axis: one period of the cell, or the extent of the grains if that is less."""
+    bounds = [extent(snapshot, column) for column in snapshot.position.T]
+    sides = np.full(snapshot.dimension, np.inf) if snapshot.cell is None else np.diag(snapshot.cell)
+    return [(low, high) if high - low < side else (0.0, side) for (low, high), side in zip(bounds, sides, strict=True)]
+
+
 def grid(snapshot, width, edges, points, kernel):
     if edges is None or kernel is not None:
         width = length_in_metres("1.0d" if width is None else width, snapshot)
     if edges is None:
-        if snapshot.cell is not None:
-            edges = [divided(0.0, side, width) for side in np.diag(snapshot.cell)]
-        else:
-            edges = [divided(*extent(snapshot, column), width) for column in snapshot.position.T]
+        edges = [divided(*bounds, width) for bounds in grid_bounds(snapshot)]
     if len(edges) != snapshot.dimension:
         raise InputError(f"average on='grid': edges must be given for each of the {snapshot.dimension} axes")
     edges = [ascending(f"edges along {axis}", given, 2) for axis, given in zip("xyz", edges, strict=False)]

@@ -55,8 +55,8 @@ SUMS = EXTENSIVE | OF_POINTS
 def densities(snapshot, place, names, least_contacts=None):
     """The extensive quantities `names` of one snapshot per volume, a dict of arrays (..., cells), tensor indices first; and "volume".
 
-    A grain with fewer than `least_contacts` contacts is a rattler; default one more than the dimension, which is right without friction.
+    A grain with fewer than `least_contacts` contacts is a rattler; see `average`.
     """
-    sample = Sample(snapshot, place, snapshot.dimension + 1 if least_contacts is None else least_contacts)
+    sample = Sample(snapshot, place, least_contacts)
     volume = place.volume(snapshot)
     return {"volume": volume} | {name: np.moveaxis(SUMS[name](sample), 0, -1) / volume for name in names}

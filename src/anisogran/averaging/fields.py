@@ -126,19 +126,32 @@ DERIVED = {
 KNOWN = tuple(name for name in (*EXTENSIVE, *DERIVED, *OF_POINTS) if name in GLOSSARY)  # the rest are ingredients
 
 
+def objection(name, place):
+    """Why a known field is not known at a place, or None."""
+    field = DERIVED.get(name)
+    places = ("points",) if name in OF_POINTS else field.places if field else (place.name,)
+    if place.name not in places:
+        return f"is known on {' and '.join(places)} only"
+    if field and place.dimension not in field.dimensions:
+        return f"is not known in {place.dimension} dimensions"
+    return None
+
+
+def known_at(place):
+    """The names of all fields that are known at a place."""
+    return [name for name in KNOWN if objection(name, place) is None]
+
+
 def check_fields(names, place):
     """Raises InputError for a field that is not known, or not in this dimension or at this place."""
     for name in names:
         if name not in KNOWN:
             near = difflib.get_close_matches(str(name), KNOWN, 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise InputError(f"average on={place.name!r}: unknown field {name!r}{hint}; known are {', '.join(sorted(KNOWN))}")
-        field = DERIVED.get(name)
-        places = ("points",) if name in OF_POINTS else field.places if field else (place.name,)
-        if place.name not in places:
-            raise InputError(f"average on={place.name!r}: the field {name!r} is known on {' and '.join(places)} only")
-        if field and place.dimension not in field.dimensions:
-            raise InputError(f"average on={place.name!r}: the field {name!r} is not known in {place.dimension} dimensions")
+            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known_at(place))}"
+            raise InputError(f"average on={place.name!r}: unknown field {name!r}; {hint}")
+        reason = objection(name, place)
+        if reason:
+            raise InputError(f"average on={place.name!r}: the field {name!r} {reason}")
 
 
 def extensive_needs(names):

@@ -210,6 +210,13 @@ def torque(ends):
     return np.cross(l, f) if l.shape[1] == 3 else (l[:, 0] * f[:, 1] - l[:, 1] * f[:, 0])[:, None]
 
 
+def has_friction(ends, share=1e-6):
+    """Whether any contact bears a force along itself, larger than that share of the largest force of all."""
+    normal = np.einsum("ed,ed->e", ends.force, ends.normal)
+    square = np.einsum("ed,ed->e", ends.force, ends.force)
+    return bool(np.any(square - normal**2 > share**2 * square.max(initial=0.0)))
+
+
 def body_volume(snapshot):
     """V^p of each free grain (0 for a wall grain), (grains,): pi a^2 in m2 in the plane, 4/3 pi a^3 in m3 in space."""
     sphere = 4 / 3 * np.pi * snapshot.radius**3

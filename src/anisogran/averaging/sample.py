@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.averaging.coarse_graining import gradient_weights, grain_weights, line_weights
-from anisogran.averaging.grain_sums import backbone, body_volume, contact_ends, dyad_sums
+from anisogran.averaging.grain_sums import backbone, body_volume, contact_ends, dyad_sums, has_friction
 from anisogran.averaging.images import Images
 from anisogran.averaging.places import Shares, shares_of
 from anisogran.compiled import kernel
@@ -113,7 +113,10 @@ class Sample:
 
     @cached_property
     def backbone(self):
-        return backbone(self.snapshot, self.ends, self.least_contacts)
+        least = self.least_contacts
+        if least is None:
+            least = 2 if has_friction(self.ends) else self.snapshot.dimension + 1
+        return backbone(self.snapshot, self.ends, least)
 
     @cached_property
     def offset(self):

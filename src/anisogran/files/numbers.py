@@ -27,9 +27,17 @@ def check_writable(path, option=""):
 
 
 def json_text(numbers):
-    """A flat dict as JSON; NaN and infinity, which JSON does not know, become null."""
-    plain = {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in numbers.items()}
-    return json.dumps(plain, indent=2, allow_nan=False)
+    """A dict, nested or with lists, as JSON; NaN and infinity, which JSON does not know, become null."""
+    return json.dumps(plain(numbers), indent=2, allow_nan=False)
+
+
+def plain(value):
+    """The value with null for every number that is not finite."""
+    if isinstance(value, dict):
+        return {key: plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def write_text(path, text):
@@ -40,5 +48,5 @@ def write_text(path, text):
 
 
 def write_json(path, numbers):
-    """Writes a flat dict as a JSON file; an older file is replaced only when all is written."""
+    """Writes a dict as a JSON file; an older file is replaced only when all is written."""
     write_text(path, json_text(numbers) + "\n")

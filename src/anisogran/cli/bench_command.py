@@ -1,0 +1,64 @@
+"""`anisogran bench`: how fast it is."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from anisogran.cli.application import app
+
+bench = typer.Typer(help="How fast it is, on work that other codes have been timed on.", rich_markup_mode=None)
+app.add_typer(bench, name="bench")
+
+
+@bench.callback(invoke_without_command=True)
+def bench_rooms(context: typer.Context):
+    """How fast it is, on work that other codes have been timed on."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+@bench.command("dem")
+def bench_dem(
+    packing: Annotated[Path | None, typer.Option(help="Packing to shear, .npz with x (N, 3), r (N,), L in m; default: made here.")] = None,
+    grains: Annotated[int, typer.Option(help="Size of the packing that is made.", min=20, max=10_000_000)] = 10_000,
+    effects: Annotated[str, typer.Option(help="frictionless, friction, or luding (with friction).")] = "friction",
+    steps: Annotated[int, typer.Option(help="Steps that are timed.", min=1)] = 2000,
+    warmup: Annotated[int, typer.Option(help="Steps before.", min=0)] = 300,
+    rate: Annotated[float, typer.Option(help="Rate of the pure shear, 1/s.")] = 5.0,
+    ledger: Annotated[bool, typer.Option("--ledger", help="Keep the book of energies as well.")] = False,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+):
+    """Pure shear of a dense periodic packing on one core: particle-steps a second, memory, neighbour lists."""
+    from anisogran.benchmark import check_effects, dem_benchmark, made_packing, read_packing
+
+    check_effects(effects)
+    packed = made_packing(grains) if packing is None else read_packing(packing)
+    told(dem_benchmark, json_file, *packed, effects, steps, warmup, rate, ledger)
+
+
+@bench.command("averaging")
+def bench_averaging(
+    grains: Annotated[int, typer.Option(help="Size of the packing that is made.", min=200, max=10_000_000)] = 100_000,
+    repeats: Annotated[int, typer.Option(help="Runs that are timed; the median is told.", min=1)] = 5,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+):
+    """Averages of a dense packing on one core: rings, grid and points, and what they cost beside the run that makes the grains."""
+    from anisogran.benchmark import averaging_benchmark
+
+    told(averaging_benchmark, json_file, grains, repeats)
+
+
+def told(benchmark, json_file, *arguments):
+    """Runs the benchmark, writes its numbers (a dict) as JSON if a file is given, and prints them."""
+    if json_file is not None:
+        from anisogran.files.numbers import check_writable
+
+        check_writable(json_file, "--json ")
+    numbers = benchmark(*arguments)
+    if json_file is not None:
+        from anisogran.files import write_json
+
+        write_json(json_file, numbers)
+    for name, value in numbers.items():
+        print(f"{name:22} {value:.4g}" if isinstance(value, float) else f"{name:22} {value}")
