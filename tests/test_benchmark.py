@@ -126,3 +126,17 @@ def test_what_is_no_packing_is_one_line(file, tmp_path, capsys):
         assert message in err
         assert err.count("\n") == 1
     assert read_packing(file)[0].shape == (200, 2)
+
+
+def test_averages_are_timed_on_every_place(capsys, tmp_path):
+    """Small: every field is found on rings, grid and points, and the share of the run is that of its two times."""
+    with pytest.raises(SystemExit) as end:
+        cli.main(["bench", "averaging", "--grains", "400", "--repeats", "1", "--json", str(tmp_path / "a.json")])
+    assert end.value.code == 0
+    numbers = json.loads((tmp_path / "a.json").read_text())
+    assert numbers["grains"] == 400
+    assert numbers["rings_fields"] > 40
+    assert numbers["points_fields"] > numbers["rings_fields"]
+    assert numbers["share_of_run"] == pytest.approx(numbers["run_average_s"] / numbers["run_interval_s"])
+    assert all(value > 0 for value in numbers.values())
+    assert "rings_all_s" in capsys.readouterr().out

@@ -19,6 +19,7 @@ LAYERS = [
     {"fitting", "continuum", "files"},
     {"experiments"},
     {"comparison", "benchmark", "plots"},
+    {"cost"},
     {"demo"},
     {"cli"},
     {"__main__"},

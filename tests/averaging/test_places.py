@@ -290,3 +290,16 @@ def test_options_that_do_not_fit_are_refused():
         with pytest.raises(InputError, match=message) as caught:
             average(snapshot, **options)
         assert "\n" not in str(caught.value)
+
+
+def test_rattlers_are_told_by_whether_there_is_friction():
+    """Three discs on a bent line between walls, two contacts each: enough with a tangential force somewhere, too few without."""
+    position = [[0, 0], [1, 0.2], [2, 0]]
+    for tangential, carried in ((0.0, 0.0), (0.3, 2.0)):
+        branch = np.array([1, 0.2]) / np.hypot(1, 0.2)
+        force = [-branch, [-1.0, 0.2] / np.hypot(1, 0.2), [1.0, tangential], [-1.0, 0.0]]
+        pairs = [(0, 1), (1, 2), (0, -1), (2, -2)]
+        point = [[0.5, 0.1], [1.5, 0.1], [-0.5, 0], [2.5, 0]]
+        snapshot = make(position, [0.51] * 3, pairs, force, point=point)
+        assert float(average(snapshot, fields="coordination_number").coordination_number) == carried
+        assert float(average(snapshot, fields="coordination_number", least_contacts=2).coordination_number) == 2.0

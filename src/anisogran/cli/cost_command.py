@@ -1,0 +1,34 @@
+"""`anisogran cost`: what accuracy costs in time."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from anisogran.cli.application import app
+from anisogran.outcome import InputError
+
+ROOMS = ("averaging",)
+
+
+@app.command()
+def cost(
+    room: Annotated[str, typer.Argument(help=f"{' or '.join(ROOMS)}.")],
+    quick: Annotated[bool, typer.Option(help="Small samples: every row is there, the numbers are rough.")] = False,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the rows, one key a room.")] = None,
+):
+    """Error against seconds for each knob of a room, the default marked with a star, and the price of each field."""
+    if room not in ROOMS:
+        raise InputError(f"cost {room}: must be one of {', '.join(ROOMS)}")
+    if json_file is not None:
+        from anisogran.files.numbers import check_writable
+
+        check_writable(json_file, "--json ")
+    from anisogran.cost import averaging_cost, table_text
+
+    rows = averaging_cost(quick)
+    if json_file is not None:
+        from anisogran.files import write_json
+
+        write_json(json_file, {room: rows})
+    print(table_text(rows))

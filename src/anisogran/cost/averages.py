@@ -1,0 +1,129 @@
+"""What accuracy costs in the averages: the width, the kernel, the grains in a cell, the snapshots, and the price of each field.
+
+The sample is a homogeneous packing, so that the pressure is the same everywhere but for the chance of the packing: the scatter of local
+pressures about that of the whole sample is their error, and that of the whole sample itself is as much smaller as it holds more grains. A
+wave of velocity laid over the same grains tells what a width takes away: there the exact field is known.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from anisogran.averaging import average, known_at, place_of
+from anisogran.averaging.blocks import JUDGED
+from anisogran.averaging.smoothing_kernels import KERNELS, smoothing, standard_deviation
+from anisogran.benchmark import seconds_of, sheared_snapshot
+from anisogran.cost.tables import row
+from anisogran.experiments import SimpleShear
+
+WAVELENGTH = 20.0  # of the velocity wave in mean diameters: that of a shear zone
+WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0)  # of the Gaussian in mean diameters
+DEFAULT_WIDTH = 1.0
+REPEATS = 3
+
+
+def averaging_cost(quick=False):
+    """Rows {knob, value, error, seconds, default} for the averages, a list; seconds are medians on one core, after compilation."""
+    snapshot = sheared_snapshot(2_000 if quick else 10_000)
+    rows = width_rows(snapshot) + kernel_rows(snapshot) + grains_rows(snapshot)
+    return rows + snapshots_rows(quick) + price_rows(snapshot)
+
+
+def nodes(snapshot, count=30):
+    """Points (count^2, 2) of a regular grid over the periodic cell."""
+    share = (np.arange(count) + 0.5) / count
+    return np.stack(np.meshgrid(share, share, indexing="ij"), axis=-1).reshape(-1, 2) @ snapshot.cell
+
+
+def scatter(local, whole):
+    """Root mean square of the local values about that of the whole sample, relative."""
+    return float(np.sqrt(np.mean((np.asarray(local) / float(whole) - 1) ** 2)))
+
+
+def width_rows(snapshot):
+    """Error of the local pressure, and of a velocity wave, against the width of the Gaussian."""
+    points, whole = nodes(snapshot), average(snapshot, fields="pressure").pressure
+    d, height = snapshot.mean_diameter, snapshot.cell[1, 1]
+    waves = round(height / (WAVELENGTH * d))
+    waving = replace(snapshot, velocity=shear_wave(snapshot.position[:, 1], waves / height), cell_velocity=None)
+    exact = shear_wave(points[:, 1], waves / height)[:, 0]
+    noise, bias = [], []
+    for width in WIDTHS:
+        where = {"on": "points", "points": points, "width": width * d}
+        default = width == DEFAULT_WIDTH
+        seconds = seconds_of(lambda where=where: average(snapshot, fields="pressure", **where), REPEATS)
+        error = scatter(average(snapshot, fields="pressure", **where).pressure, whole)
+        noise.append(row("width in d: scatter of the pressure at a point", width, error, seconds, default))
+        seconds = seconds_of(lambda where=where: average(waving, fields="velocity", **where), REPEATS)
+        wave = average(waving, fields="velocity", **where).velocity[0]
+        error = float(np.sqrt(np.nanmean((wave - exact) ** 2) / np.mean(exact**2)))
+        bias.append(row(f"width in d: error of a velocity wave of {WAVELENGTH:g} d", width, error, seconds, default))
+    return noise + bias
+
+
+def shear_wave(y, wave_number):
+    """Velocity (n, 2) along x that goes as a sine of y."""
+    return np.stack([np.sin(2 * np.pi * wave_number * y), np.zeros(len(y))], axis=1)
+
+
+def kernel_rows(snapshot):
+    """Scatter of the pressure for kernels of one standard deviation, and for squares of the same with exact shares."""
+    whole, points, d = average(snapshot, fields="pressure").pressure, nodes(snapshot), snapshot.mean_diameter
+    places = {}
+    for kernel in KERNELS:
+        width = d**2 / standard_deviation(smoothing(kernel, d, 2))  # so that the standard deviation is one diameter
+        places[kernel] = {"on": "points", "points": points, "kernel": kernel, "width": width}
+    places["squares, exact shares"] = {"on": "grid", "width": math.sqrt(12.0) * d}
+    rows = []
+    for name, where in places.items():
+        seconds = seconds_of(lambda where=where: average(snapshot, fields="pressure", **where), REPEATS)
+        error = scatter(average(snapshot, fields="pressure", **where).pressure, whole)
+        rows.append(row("kernel of standard deviation 1 d: scatter of the pressure", name, error, seconds, name == "gaussian"))
+    return rows
+
+
+def grains_rows(snapshot):
+    """Scatter of the pressure between squares that hold so many grains: it falls with the root of their number."""
+    whole, rows = average(snapshot, fields="pressure").pressure, []
+    for parts in (32, 16, 8, 4, 2):
+        edges = [np.linspace(0.0, side, parts + 1) for side in np.diag(snapshot.cell)]
+        grains = len(snapshot.radius) / parts**2
+        if grains < 2:
+            continue
+        seconds = seconds_of(lambda edges=edges: average(snapshot, on="grid", edges=edges, fields="pressure"), REPEATS)
+        error = scatter(average(snapshot, on="grid", edges=edges, fields="pressure").pressure, whole)
+        rows.append(row("grains in a cell: scatter of the pressure", round(grains), error, seconds))
+    return rows
+
+
+def snapshots_rows(quick):
+    """Standard error of the mean shear stress ratio s_D of a sheared cell of 100 grains, from blocks, against the number of snapshots."""
+    frames = 32 if quick else 128
+    run = SimpleShear(grains=100, strain=3.0 if quick else 9.0, discard=1.0, inertial_number=0.03, frames=frames, seed=1).run()
+    rows = []
+    for stride in (16, 4, 1):
+        used = run.frames[::stride]
+        if len(used) < JUDGED:
+            continue  # too few blocks for an error that means anything
+        seconds = seconds_of(lambda used=used: average(used, fields="s_D"), 1)
+        data = average(used, fields="s_D")
+        error = float(data.s_D_error / data.s_D)
+        rows.append(row("snapshots of the same run: standard error of s_D", len(used), error, seconds))
+    return rows
+
+
+def price_rows(snapshot):
+    """What each field costs by itself on rings and at points; asked for together, they share most of it."""
+    ring = replace(snapshot, cell=None, cell_velocity=None)  # seen as a disc-shaped sample: only the time matters
+    rows = []
+    for title, sample, where in (
+        ("price of a field on rings of 1 d", ring, {"on": "rings"}),
+        ("price of a field at 900 points, width 1 d", snapshot, {"on": "points", "points": nodes(snapshot)}),
+    ):
+        names = known_at(place_of(sample, **where))
+        for fields in [*([name] for name in names), names]:
+            value = fields[0] if len(fields) == 1 else "all together"
+            seconds = seconds_of(lambda fields=fields, sample=sample, where=where: average(sample, fields=fields, **where), REPEATS)
+            rows.append(row(f"{title}, {len(sample.radius)} grains", value, None, seconds))
+    return rows

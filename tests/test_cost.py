@@ -1,0 +1,75 @@
+"""What accuracy costs: the orders that the table shows are those that they should be, and nothing in it has rotted."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from anisogran import cli
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cost") / "cost.json"
+    with pytest.raises(SystemExit) as end:
+        cli.main(["cost", "averaging", "--quick", "--json", str(path)])
+    assert end.value.code == 0
+    return json.loads(path.read_text())["averaging"]
+
+
+def block(rows, beginning):
+    found = [row for row in rows if row["knob"].startswith(beginning)]
+    assert found, beginning
+    return found
+
+
+def slope(rows):
+    """Exponent of the error in the value, by least squares in the logarithms."""
+    return np.polyfit(np.log([row["value"] for row in rows]), np.log([row["error"] for row in rows]), 1)[0]
+
+
+def test_every_row_has_its_keys_and_a_price(rows):
+    for row in rows:
+        assert set(row) == {"knob", "value", "error", "seconds", "default"}
+        assert row["seconds"] > 0
+
+
+def test_a_wider_kernel_scatters_less_and_flattens_more(rows):
+    """The scatter falls as one over the width (one over the root of the grains in it), the wave is lost with its square."""
+    assert slope(block(rows, "width in d: scatter")) == pytest.approx(-1.0, abs=0.25)  # one packing; the widest kernel sees it all
+    wave = block(rows, "width in d: error of a velocity wave")[1:4]  # from where grains fill the kernel to where it is as wide as the wave
+    assert slope(wave) == pytest.approx(2.0, abs=0.3)
+    assert [row["value"] for row in rows if row["default"] and row["knob"].startswith("width")] == [1.0, 1.0]
+
+
+def test_more_grains_in_a_cell_scatter_less(rows):
+    """As one over the root of their number."""
+    assert slope(block(rows, "grains in a cell")) == pytest.approx(-0.5, abs=0.2)  # four cells in the last row: 35 % sampling error
+
+
+def test_kernels_of_one_standard_deviation_are_alike(rows):
+    errors = [row["error"] for row in block(rows, "kernel of standard deviation")]
+    assert len(errors) == 4
+    assert max(errors) / min(errors) < 1.5
+
+
+def test_each_field_has_a_price_and_together_they_are_cheaper(rows):
+    for beginning in ("price of a field on rings", "price of a field at"):
+        prices = block(rows, beginning)
+        assert prices[-1]["value"] == "all together"
+        assert len(prices) > 40
+        assert prices[-1]["seconds"] < 0.7 * sum(row["seconds"] for row in prices[:-1])
+        assert all(row["error"] is None for row in prices)
+
+
+def test_default_is_marked_once_a_knob(rows):
+    for before, after in pairwise(row for row in rows if row["default"]):
+        assert before["knob"] != after["knob"]
+
+
+def test_an_unknown_room_is_one_line(capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(["cost", "kitchen"])
+    assert end.value.code == 2
+    assert "cost kitchen: must be one of averaging" in capsys.readouterr().err
