@@ -1,0 +1,13 @@
+"""Pictures of runs, profiles and fits. The only room that imports matplotlib; every picture is a Figure, and no window is opened."""
+
+from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
+from anisogran.plots.directions import direction_figure
+from anisogran.plots.homogeneous import biaxial_curves, friction_law
+from anisogran.plots.ring import ring_fields, velocity_comparison
+from anisogran.plots.snapshots import chain_figure, draw_packing, packings
+from anisogran.plots.style import figure
+
+__all__ = [
+    "biaxial_curves", "chain_figure", "contact_law_figure", "direction_figure", "draw_contact_path", "draw_packing", "figure",
+    "friction_law", "packings", "ring_fields", "velocity_comparison",
+]  # fmt: skip
