@@ -62,3 +62,30 @@ def test_figures_are_made_without_a_display(tmp_path):
     assert axes.shape == (3, 2)
     fig.savefig(tmp_path / "empty.png")
     assert (tmp_path / "empty.png").stat().st_size > 1000
+
+
+def test_a_contact_across_the_seam_of_a_sector_is_short():
+    """Two discs near the seam of a quarter of a ring, pressed together across it: drawn to the image, as links of chains are."""
+    azimuth, radius = np.array([0.1, np.pi / 2 - 0.1, np.pi / 4]), 5.0
+    position = radius * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    rest = {"radius": np.full(3, 0.5), "mass": np.ones(3), "velocity": np.zeros((3, 2)), "spin": np.zeros(3), "overlap": np.zeros(1)}
+    point = [[radius * np.cos(0.1), 0.0]]
+    snapshot = Snapshot(position, pairs=[(0, 1)], force=[[0.0, 1.0]], point=point, sector=np.pi / 2, **rest)
+    image = radius * np.array([np.cos(0.1), -np.sin(0.1)])
+    (axes,) = plots.chain_figure(snapshot, grain_chains(snapshot, least_grains=2)).axes
+    forces, links = (c for c in axes.collections if isinstance(c, LineCollection))
+    for lines in (forces, links):
+        np.testing.assert_allclose(lines.get_segments(), [[position[0], image]], atol=1e-12)  # rounding
+
+
+def test_forces_of_walls_are_drawn_to_the_contact_point():
+    """A free grain, the first of its pair or not, on a wall and between wall grains; what wall grains exert on each other is not drawn."""
+    position = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-2.0, 0.0]])
+    rest = {"radius": np.full(4, 0.5), "mass": np.ones(4), "velocity": np.zeros((4, 2)), "spin": np.zeros(4), "overlap": np.zeros(4)}
+    pairs, point = [(0, 1), (2, 0), (2, 3), (0, -1)], [[0.5, 0.0], [-0.5, 0.0], [-1.5, 0.0], [0.0, -0.5]]
+    force = [[-1.0, 0.0], [-1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]]
+    snapshot = Snapshot(position, pairs=pairs, force=force, point=point, fixed=[False, True, True, True], **rest)
+    _, axes = plots.figure(1)
+    plots.draw_packing(axes[0, 0], snapshot)
+    (forces,) = (c for c in axes[0, 0].collections if isinstance(c, LineCollection))
+    np.testing.assert_array_equal(forces.get_segments(), [[[0, 0], [0.5, 0]], [[0, 0], [-0.5, 0]], [[0, 0], [0, -0.5]]])

@@ -3,7 +3,8 @@
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 
-from anisogran.averaging.grain_sums import nearest_image
+from anisogran.averaging.grain_sums import contact_ends
+from anisogran.averaging.sample import contact_lines
 from anisogran.plots.style import GRAIN, SERIES, WALL, figure
 
 CHAIN = "#7a1f2b"
@@ -20,26 +21,27 @@ def draw_discs(axes, snapshot, mask, colour):
     )  # fmt: skip
 
 
-def branches(snapshot, first, second):
-    """Lines (n, 2, 2) from the centres of the first grains to the nearest images of the second ones."""
-    begin = snapshot.position[first]
-    return np.stack([begin, begin + nearest_image(snapshot, snapshot.position[second] - begin)], axis=1)
+def contact_segments(snapshot):
+    """Of the contacts of free grains: segments (n, 2, d) between centres or to the contact point at a wall, forces (n, d), pairs (n, 2).
+
+    A contact across the border of a cell, or the seam of a sector, is drawn once, at its first grain.
+    """
+    ends = contact_ends(snapshot)
+    start, branch, force, _ = contact_lines(snapshot, ends)
+    return np.stack([start, start + branch], axis=1), force, snapshot.pairs[np.unique(ends.contact)]
 
 
 def draw_packing(axes, snapshot, title="", colour=CHAIN):
-    """Grains as discs and contact forces as lines between centres (or to the wall), as wide as the force is strong."""
+    """Grains as discs and contact forces as lines between centres, or to the contact point at a wall, as wide as the force is strong."""
     for mask, body in ((snapshot.free, GRAIN), (snapshot.fixed, WALL)):
         if mask.any():
             draw_discs(axes, snapshot, mask, body)
-    first, second = snapshot.pairs.T
-    inner = second >= 0
-    lines = np.stack([snapshot.position[first], snapshot.point], axis=1)
-    lines[inner] = branches(snapshot, first[inner], second[inner])
-    strength = np.hypot(*snapshot.force.T)
+    segments, force, _ = contact_segments(snapshot)
+    strength = np.hypot(*force.T)
     if strength.any():
         strong = strength > 0.05 * strength.mean()
         widths = 0.75 * strength[strong] / strength.mean()
-        axes.add_collection(LineCollection(lines[strong], linewidths=widths, colors=colour, capstyle="round"))
+        axes.add_collection(LineCollection(segments[strong], linewidths=widths, colors=colour, capstyle="round"))
     border = 2 * snapshot.radius.max()
     low, high = snapshot.position.min(axis=0) - border, snapshot.position.max(axis=0) + border
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", title=title)
@@ -66,6 +68,8 @@ def chain_figure(snapshot, chains, title=""):
     member = chain >= 0
     if member.any():
         draw_discs(axes[0, 0], snapshot, member, [(name, 0.45) for name in colour[member]])
-        lines = branches(snapshot, *links.T)
-        axes[0, 0].add_collection(LineCollection(lines, linewidths=2.5, colors=colour[links[:, 0]], capstyle="round"))
+        segments, _, pairs = contact_segments(snapshot)
+        low, high = np.sort(pairs, axis=1).T  # walls are negative, and no link
+        linked = np.isin(low * len(chain) + high, links.min(axis=1) * len(chain) + links.max(axis=1))
+        axes[0, 0].add_collection(LineCollection(segments[linked], linewidths=2.5, colors=colour[high[linked]], capstyle="round"))
     return fig
