@@ -3,11 +3,12 @@
 from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
+from anisogran.plots.maps import field_map
 from anisogran.plots.ring import ring_fields, velocity_comparison
 from anisogran.plots.snapshots import chain_figure, draw_packing, packings
 from anisogran.plots.style import figure
 
 __all__ = [
-    "biaxial_curves", "chain_figure", "contact_law_figure", "direction_figure", "draw_contact_path", "draw_packing", "figure",
+    "biaxial_curves", "chain_figure", "contact_law_figure", "direction_figure", "draw_contact_path", "draw_packing", "field_map", "figure",
     "friction_law", "packings", "ring_fields", "velocity_comparison",
 ]  # fmt: skip
