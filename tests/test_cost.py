@@ -13,8 +13,9 @@ from anisogran import cli
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("cost") / "cost.json"
     with pytest.raises(SystemExit) as end:
-        cli.main(["cost", "averaging", "--quick", "--json", str(path)])
+        cli.main(["cost", "averaging", "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
     assert end.value.code == 0
+    assert (path.parent / "pictures" / "cost-averaging.png").stat().st_size > 10_000
     return json.loads(path.read_text())["averaging"]
 
 

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from anisogran.cli.application import app
+from anisogran.cli.folders import output_folder
 from anisogran.outcome import InputError
 
 ROOMS = ("averaging",)
@@ -15,6 +16,8 @@ ROOMS = ("averaging",)
 def cost(
     room: Annotated[str, typer.Argument(help=f"{' or '.join(ROOMS)}.")],
     quick: Annotated[bool, typer.Option(help="Small samples: every row is there, the numbers are rough.")] = False,
+    force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Folder for the figure, cost-ROOM.png.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the rows, one key a room.")] = None,
 ):
     """Error against seconds for each knob of a room, the default marked with a star, and the price of each field."""
@@ -24,6 +27,7 @@ def cost(
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
+    folder = None if out is None else output_folder(out, "cost", force)
     from anisogran.cost import averaging_cost, table_text
 
     rows = averaging_cost(quick)
@@ -32,3 +36,8 @@ def cost(
 
         write_json(json_file, {room: rows})
     print(table_text(rows))
+    if folder is not None:
+        from anisogran.plots import cost_figure
+
+        cost_figure(rows).savefig(folder / f"cost-{room}.png", dpi=150)
+        print(f"\n{folder / f'cost-{room}.png'}")

@@ -1,6 +1,7 @@
 """Pictures of runs, profiles and fits. The only room that imports matplotlib; every picture is a Figure, and no window is opened."""
 
 from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
+from anisogran.plots.costs import cost_figure
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
@@ -9,6 +10,6 @@ from anisogran.plots.snapshots import chain_figure, draw_packing, packings
 from anisogran.plots.style import figure
 
 __all__ = [
-    "biaxial_curves", "chain_figure", "contact_law_figure", "direction_figure", "draw_contact_path", "draw_packing", "field_map", "figure",
-    "friction_law", "packings", "ring_fields", "velocity_comparison",
+    "biaxial_curves", "chain_figure", "contact_law_figure", "cost_figure", "direction_figure", "draw_contact_path", "draw_packing",
+    "field_map", "figure", "friction_law", "packings", "ring_fields", "velocity_comparison",
 ]  # fmt: skip

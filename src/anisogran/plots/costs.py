@@ -1,0 +1,43 @@
+"""What accuracy costs: error against seconds, a panel for each knob."""
+
+import math
+from itertools import groupby
+
+from matplotlib.ticker import NullFormatter
+
+from anisogran.plots.style import COLOURS, figure
+
+
+def cost_figure(rows):
+    """A Figure of the rows of a cost table that have an error: error against seconds for each knob, values beside the points.
+
+    The default is marked by a ring. Numbers are joined by a line; words, such as kernels, are points.
+    """
+    knobs = [(knob, list(block)) for knob, block in groupby(rows, key=lambda row: row["knob"])]
+    knobs = [(knob, block) for knob, block in knobs if block[0]["error"] is not None]
+    columns = math.ceil(math.sqrt(len(knobs)))
+    fig, axes = figure(columns, math.ceil(len(knobs) / columns))
+    for ax in axes.flat[len(knobs) :]:
+        ax.set_axis_off()
+    for ax, (knob, block) in zip(axes.flat, knobs, strict=False):
+        name, _, meaning = knob.partition(": ")
+        seconds, errors = [row["seconds"] for row in block], [row["error"] for row in block]
+        words = isinstance(block[0]["value"], str)
+        ax.loglog(seconds, errors, "o" if words else "o-", color=COLOURS["dem"])
+        for k, row in enumerate(block):
+            text = row["value"] if words else f"{row['value']:g}"
+            ax.annotate(text, (row["seconds"], row["error"]), textcoords="offset points", xytext=(7, 5 - 14 * (k % 2)), fontsize=8)
+            if row["default"]:
+                ax.loglog(row["seconds"], row["error"], "o", ms=12, mfc="none", mec=COLOURS["fit"], mew=1.5)
+        ax.set(xlabel="seconds", ylabel="relative error", xlim=decades(seconds), ylim=decades(errors))
+        ax.set_title(f"{name}\n{meaning}", fontsize=9)
+        ax.grid(alpha=0.25, which="both")
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_minor_formatter(NullFormatter())
+    return fig
+
+
+def decades(values):
+    """The whole decades around the values, at least one, so that an axis has two labels."""
+    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+    return 10.0**low, 10.0 ** max(high, low + 1)
