@@ -77,13 +77,13 @@ def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes, plane
 
 
 @kernel
-def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, sector, axes, plane):
+def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cell, sector, axes, plane):
     """Writes the ends of all contacts at free grains and returns their number.
 
     `plane` is a tuple as long as there are dimensions: the compiler knows its length, and unrolls what loops over it.
     """
     d = len(plane)
-    force, arm = np.empty(d), np.empty(d)
+    force, arm, image = np.empty(d), np.empty(d), np.empty(d)
     used = 0
     for c in range(len(pairs)):
         i, j = pairs[c]
@@ -107,12 +107,18 @@ def fill_ends(ends, position, free, pairs, forces, points, overlaps, cell, secto
             for k in range(d):
                 arm[k] -= position[j, k]
         else:
+            # the image that lies beyond the contact point: in a narrow cell two grains, or one and itself, touch on both sides
+            whole = 1 + radius[j] / radius[i]
             for k in range(d):
                 force[k] = -forces[c, k]
-                arm[k] = position[j, k] - position[i, k]
-            to_nearest_image(arm, cell)
-            for k in range(d):
-                arm[k] = (points[c, k] - position[i, k]) - arm[k]
+                arm[k] = points[c, k] - position[j, k]
+                image[k] = position[j, k] - position[i, k] - whole * (points[c, k] - position[i, k])
+            if len(cell):
+                for k in range(d):
+                    arm[k] += image[k]
+                to_nearest_image(image, cell)
+                for k in range(d):
+                    arm[k] -= image[k]
         write_end(ends, used, j, i, c, force, arm, overlaps[c], axes, plane)
         used += 1
     return used
@@ -188,7 +194,7 @@ def contact_ends(snapshot, axes=None):
     )
     axes = np.empty((0, d, d)) if axes is None else axes
     used = fill_ends(
-        ends, snapshot.position, snapshot.free, snapshot.pairs, snapshot.force, snapshot.point, snapshot.overlap,
+        ends, snapshot.position, snapshot.radius, snapshot.free, snapshot.pairs, snapshot.force, snapshot.point, snapshot.overlap,
         lattice_of(snapshot), snapshot.sector or 0.0, axes, (0.0,) * d,
     )  # fmt: skip
     return ContactEnds(*(array[:used] for array in ends))
