@@ -11,6 +11,7 @@ import numpy as np
 
 from anisogran.compiled import kernel, subkernel
 
+TOUCH = 1 - 1e-10  # in radii: what a disc or a sphere holds beyond is less than the rounding of its shares, and counts as nothing
 GAUSS, GAUSS_WEIGHT = (np.ascontiguousarray(values) for values in np.polynomial.legendre.leggauss(12))
 
 
@@ -129,12 +130,13 @@ def ring_shares(position, radius, free, edges, levels):
     indptr = np.zeros(n + 1, np.int64)
     for p in range(n):
         distance = math.sqrt(position[p, 0] ** 2 + position[p, 1] ** 2)
-        span[p, 0] = max(interval_of(edges, distance - radius[p]), 0)
-        span[p, 1] = min(interval_of(edges, distance + radius[p]), rings - 1)
+        reach = TOUCH * radius[p]
+        span[p, 0] = max(interval_of(edges, distance - reach), 0)
+        span[p, 1] = min(interval_of(edges, distance + reach), rings - 1)
         span[p, 2], span[p, 3] = 0, 0
         if space:
-            span[p, 2] = max(interval_of(levels, position[p, 2] - radius[p]), 0)
-            span[p, 3] = min(interval_of(levels, position[p, 2] + radius[p]), storeys - 1)
+            span[p, 2] = max(interval_of(levels, position[p, 2] - reach), 0)
+            span[p, 3] = min(interval_of(levels, position[p, 2] + reach), storeys - 1)
         size = max(span[p, 1] - span[p, 0] + 1, 0) * max(span[p, 3] - span[p, 2] + 1, 0) if free[p] else 0
         indptr[p + 1] = indptr[p] + size
     indices, shares = np.empty(indptr[n], np.int64), np.empty(indptr[n])
@@ -152,6 +154,7 @@ def ring_shares(position, radius, free, edges, levels):
                     inside = sphere_in_cylinder(distance, a, edges[k], low, high)
                 else:
                     inside = disc_in_circle(distance, a, edges[k])
+                inside = max(inside, before)  # but for rounding it is: no share is negative
                 if k > span[p, 0]:
                     indices[e] = (k - 1) * storeys + level
                     shares[e] = (inside - before) / whole
@@ -167,7 +170,7 @@ def grid_shares(position, radius, x_edges, y_edges):
     span = np.empty((n, 4), np.int64)
     indptr = np.zeros(n + 1, np.int64)
     for p in range(n):
-        x, y, a = position[p, 0], position[p, 1], radius[p]
+        x, y, a = position[p, 0], position[p, 1], TOUCH * radius[p]
         span[p, 0], span[p, 1] = max(interval_of(x_edges, x - a), 0), min(interval_of(x_edges, x + a), columns - 1)
         span[p, 2], span[p, 3] = max(interval_of(y_edges, y - a), 0), min(interval_of(y_edges, y + a), rows - 1)
         indptr[p + 1] = indptr[p] + max(span[p, 1] - span[p, 0] + 1, 0) * max(span[p, 3] - span[p, 2] + 1, 0)
@@ -178,7 +181,10 @@ def grid_shares(position, radius, x_edges, y_edges):
             for j in range(span[p, 2], span[p, 3] + 1):
                 if e == indptr[p + 1]:
                     break  # outside the grid
-                area = disc_in_rectangle(x_edges[i] - x, x_edges[i + 1] - x, y_edges[j] - y, y_edges[j + 1] - y, a)
+                x0, x1, y0, y1 = x_edges[i] - x, x_edges[i + 1] - x, y_edges[j] - y, y_edges[j + 1] - y
+                away_x, away_y = max(x0, -x1, 0.0), max(y0, -y1, 0.0)  # to the nearest point of the rectangle
+                seen = away_x * away_x + away_y * away_y < (TOUCH * a) ** 2
+                area = max(disc_in_rectangle(x0, x1, y0, y1, a), 0.0) if seen else 0.0
                 indices[e] = i * rows + j
                 shares[e] = area / (math.pi * a * a)
                 e += 1
