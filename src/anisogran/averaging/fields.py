@@ -33,10 +33,15 @@ def half_turn(angle):
     return np.pi / 2 - np.mod(np.pi / 2 - angle, np.pi)
 
 
+def true_deviator(tensor):
+    """The size of the deviator; 0 where the tensor is isotropic but for rounding."""
+    size, deviator = np.sqrt(np.einsum("ij...,ij...->...", tensor, tensor)), tensors.deviator_size(tensor)
+    return np.where(deviator > ROUNDING * size, deviator, 0.0)
+
+
 def axis_angle(tensor):
-    """Angle of the major axis of a tensor in the plane; NaN where it is isotropic but for rounding, and so has none."""
-    size = np.sqrt(np.einsum("ij...,ij...->...", tensor, tensor))
-    return np.where(tensors.deviator_size(tensor) > ROUNDING * size, tensors.principal_angle(tensor), np.nan)
+    """Angle of the major axis of a tensor in the plane; NaN where it is isotropic, and so has none."""
+    return np.where(true_deviator(tensor) > 0, tensors.principal_angle(tensor), np.nan)
 
 
 def flat(values):
@@ -111,7 +116,7 @@ DERIVED = {
     ),
     "shear_modulus": Field(
         ("stress_static", "elastic_strain"),
-        lambda stress, strain: quotient(tensors.deviator_size(stress), tensors.deviator_size(strain)), PLANE,
+        lambda stress, strain: quotient(tensors.deviator_size(stress), true_deviator(strain)), PLANE,
     ),
     # directions of the major axes, and between them
     "stress_angle": Field(("stress",), axis_angle, PLANE),
@@ -178,9 +183,20 @@ def field_values(quantities, place, names):
     return {name: value(name) for name in names}
 
 
+REASONS = {
+    "s_D": "no pressure",
+    "stress_ratio": "no pressure",
+    "inertial_number": "no pressure, or too few grains to tell a gradient",
+    "shear_modulus": "no contacts, or an isotropic strain",
+    "torque_stiffness": "no curvature, or too few grains to tell it",
+}
+
+
 def missing(name):
     """What a cell lacks where this field is NaN."""
     needs = extensive_needs([name])
+    if name in REASONS:
+        return REASONS[name]
     if name.endswith("_angle"):
         return "isotropic, or nothing to tell an axis from"
     if {"fabric", "overlap_moment", "branch_moment"} & set(needs):
