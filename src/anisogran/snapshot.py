@@ -70,7 +70,14 @@ class Snapshot:
         kinds = {"fixed": bool, "pairs": np.int64}
         for name, shape in shapes.items():
             value = _numbers(name, fixed if name == "fixed" else getattr(self, name), shape)
-            object.__setattr__(self, name, np.ascontiguousarray(value, kinds.get(name, float)))
+            array = np.ascontiguousarray(value, kinds.get(name, float))
+            if name == "pairs" and (array != value).any():
+                raise InputError(f"Snapshot: pairs[{np.argwhere(array != value)[0, 0]}] is not of whole numbers")
+            object.__setattr__(self, name, array)
+        for name, wrong in (("radius", self.radius <= 0), ("mass", (self.mass <= 0) & self.free)):
+            if wrong.any():
+                k = int(np.argmax(wrong))
+                raise InputError(f"Snapshot: {name}[{k}] = {getattr(self, name)[k]:g} must be above 0")
         if c and (self.pairs[:, 0].min() < 0 or self.pairs.max() >= n):
             raise InputError(f"Snapshot: pairs must hold grain indices 0..{n - 1}, and -1 - wall in the second place only")
         self._check_images(d)
@@ -78,8 +85,8 @@ class Snapshot:
             extent = (self.position + self.radius[:, None]).max(axis=0) - (self.position - self.radius[:, None]).min(axis=0)
             volume = np.prod(extent) if self.cell is None else abs(np.linalg.det(self.cell))
             object.__setattr__(self, "volume", float(volume))
-        elif not self.volume > 0:
-            raise InputError(f"Snapshot: volume = {self.volume} must be above 0")
+        elif not 0 < self.volume < np.inf:
+            raise InputError(f"Snapshot: volume = {self.volume} must be above 0, and finite")
 
     def _check_images(self, d):
         """Brings the cell into its form; refuses what the nearest image cannot be found in."""

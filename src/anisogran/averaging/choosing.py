@@ -1,5 +1,6 @@
 """From what a user says to the place where the average is taken."""
 
+import math
 import re
 
 import numpy as np
@@ -9,6 +10,7 @@ from anisogran.averaging.smoothing_kernels import smoothing
 from anisogran.outcome import InputError, checked
 
 PLACES = ("box", "rings", "grid", "points")
+MOST_CELLS = 10_000_000  # more are a width in other units than the grains
 
 
 def length_in_metres(width, snapshot):
@@ -32,9 +34,12 @@ def ascending(name, edges, least, at_least=-np.inf):
     return edges
 
 
-def divided(low, high, width):
-    """Edges from low to high, as many as make the cells about `width` wide."""
-    return np.linspace(low, high, max(1, round((high - low) / width)) + 1)
+def divided(width, *ranges):
+    """For each range (low, high) the edges from low to high, as many as make the cells about `width` wide. Raises InputError."""
+    counts = [max(1, round((high - low) / width)) for low, high in ranges]
+    if math.prod(counts) > MOST_CELLS:
+        raise InputError(f"average: width = {width:g} m makes {math.prod(counts)} cells, at most {MOST_CELLS} are possible")
+    return [np.linspace(low, high, count + 1) for (low, high), count in zip(ranges, counts, strict=True)]
 
 
 def place_of(snapshot, on, width=None, edges=None, points=None, kernel=None):
@@ -72,9 +77,9 @@ def rings(snapshot, width, edges, points, kernel):
         width = length_in_metres("1.0d" if width is None else width, snapshot)
     if r_edges is None:
         inner, outer = extent(snapshot, np.hypot(snapshot.position[:, 0], snapshot.position[:, 1]))
-        r_edges = divided(max(inner, 0.0), outer, width)
+        (r_edges,) = divided(width, (max(inner, 0.0), outer))
     if space and levels is None:
-        levels = divided(*extent(snapshot, snapshot.position[:, 2]), width)
+        (levels,) = divided(width, extent(snapshot, snapshot.position[:, 2]))
     return Rings(ascending("edges of the rings", r_edges, 2, 0.0), ascending("levels", levels, 2) if space else np.empty(0))
 
 
@@ -89,7 +94,7 @@ def grid(snapshot, width, edges, points, kernel):
     if edges is None or kernel is not None:
         width = length_in_metres("1.0d" if width is None else width, snapshot)
     if edges is None:
-        edges = [divided(*bounds, width) for bounds in grid_bounds(snapshot)]
+        edges = divided(width, *grid_bounds(snapshot))
     if len(edges) != snapshot.dimension:
         raise InputError(f"average on='grid': edges must be given for each of the {snapshot.dimension} axes")
     edges = [ascending(f"edges along {axis}", given, 2) for axis, given in zip("xyz", edges, strict=False)]
@@ -109,6 +114,6 @@ def at_points(snapshot, width, edges, points, kernel):
         centre = np.atleast_2d(np.asarray([] if points is None else points, dtype=float))
     except (TypeError, ValueError):
         raise InputError("average on='points': points are no array of numbers") from None
-    if centre.ndim != 2 or centre.shape[1] != d or not np.isfinite(centre).all():
-        raise InputError(f"average on='points': points must be finite numbers of the shape (P, {d}), not {centre.shape}")
+    if centre.ndim != 2 or centre.shape[1] != d or not len(centre) or not np.isfinite(centre).all():
+        raise InputError(f"average on='points': points must be finite numbers of the shape (P, {d}) with P > 0, not {centre.shape}")
     return Points(np.ascontiguousarray(centre), smoothing(kernel or "gaussian", width, d), (len(centre),), ("point",))
