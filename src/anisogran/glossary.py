@@ -58,7 +58,7 @@ GLOSSARY = {
     "sigma_zz_wall": Quantity(r"\sigma_{zz}^w", "N/m", "vertical stress from the force on the top wall over its width"),
     "pressure": Quantity("p", "N/m", "trace of the stress over the dimension"),
     "couple_stress": Quantity("M", "N", "couple stress (1/V) sum w sum_c (l x f) l with the force f on the grain, lecture's sign"),
-    "torque_stiffness": Quantity(r"\mu l^2", "N", "couple stress over curvature, M.kappa / kappa.kappa"),
+    "torque_stiffness": Quantity(r"\mu l^2", "N m s", "couple stress over curvature (of the spin, a rate), M.kappa / kappa.kappa"),
     "stress_divergence": Quantity(r"\nabla\cdot\sigma", "N/m2", "sum_j d sigma_ij / d x_j of the contact stress, compression positive"),
     "wall_force_density": Quantity("t", "N/m2", "force of walls on grains per area, spread about the contact points by the kernel"),
     "s_D": Quantity("s_D", "1", "deviatoric stress ratio sigma_D/sigma_V = sin(mobilised friction angle)"),

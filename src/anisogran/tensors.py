@@ -42,7 +42,7 @@ def deviator_size(t):
 def principal_angle(t):
     """Angle of the axis of the larger eigenvalue of a 2D tensor, in (-pi/2, pi/2], shape (...); 0 where the tensor is isotropic."""
     t = symmetric(t)
-    return 0.5 * np.arctan2(2.0 * t[0, 1], t[0, 0] - t[1, 1])
+    return 0.5 * np.arctan2(2.0 * t[0, 1] + 0.0, t[0, 0] - t[1, 1])  # 0.0: there is no -0, and no -pi/2
 
 
 def direction(angle):

@@ -34,7 +34,7 @@ def snapshot_dataset(snapshot):
         "velocity": (grain, snapshot.velocity, attributes("velocity")),
         "radius": ("grain", snapshot.radius, {"units": "m", "long_name": "radius"}),
         "mass": ("grain", snapshot.mass, {"units": "kg", "long_name": "mass"}),
-        "spin": ("grain", snapshot.spin, attributes("spin")),
+        "spin": (grain[: snapshot.spin.ndim], snapshot.spin, attributes("spin")),
         "fixed": ("grain", snapshot.fixed.astype("i1"), {"units": "1", "long_name": "1 for a grain that belongs to a wall"}),
         "pairs": (("contact", "partner"), snapshot.pairs, {"units": "1", "long_name": "grain indices; a wall w is -1 - w"}),
         "force": (contact, snapshot.force, {"units": "N", "long_name": "whole force on the first grain of the pair"}),
