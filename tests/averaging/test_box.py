@@ -228,3 +228,42 @@ def test_periodic_cell_gives_its_volume():
     snapshot = Simulation(Grains([[1.0, 1.0]], [0.5]), Linear(1e3), boundary=Periodic(4.0, 3.0)).snapshot()
     assert snapshot.volume == pytest.approx(12.0)
     assert float(average(snapshot).area_fraction) == pytest.approx(np.pi * 0.25 / 12)
+
+
+def hanging_square(**more):
+    """The square, every grain with four contacts, and a fifth grain, the last, that hangs on the third with one contact and a wall."""
+    base = square()
+    pairs = np.concatenate([base.pairs, [(2, 4), (4, -5)]])
+    position = np.concatenate([base.position, [[0.5, 2.4]]])
+    force = np.concatenate([base.force, np.zeros((2, 2))])
+    return make(position, [0.5] * 5, pairs, force, point=np.concatenate([base.point, [[0.5, 1.95], [0.5, 2.9]]]), volume=6.0, **more)
+
+
+def test_contacts_with_rattlers_are_not_counted():
+    """The fifth grain has two contacts: a rattler without friction, which is the default; its contact with the square goes as well."""
+    names = ["coordination_number", "rattler_fraction"]
+    data = average(hanging_square(), fields=names)
+    assert float(data.coordination_number) == pytest.approx(4.0)
+    assert float(data.rattler_fraction) == pytest.approx(0.2)
+    data = average(hanging_square(), fields=names, least_contacts=2)
+    assert float(data.coordination_number) == pytest.approx((16 + 3) / 5)
+    assert float(data.rattler_fraction) == 0.0
+    walls = average(hanging_square(fixed=np.arange(5) == 4), fields=names)
+    assert float(walls.coordination_number) == pytest.approx(17 / 4)  # as a wall it bears
+
+
+def test_a_lost_contact_with_a_wall_is_lost_for_one_grain_only():
+    """A rattler on a wall, and the last grain of all, which has just the contacts it needs."""
+    pairs = [(0, -1), (1, -1), (1, -2)]
+    snapshot = make([[0, 0], [5, 0]], [0.5] * 2, pairs, np.zeros((3, 2)), point=[[-0.5, 0], [4.5, 0], [5.5, 0]])
+    kept, live = backbone(snapshot, contact_ends(snapshot), least_contacts=2)
+    assert kept.tolist() == [False, True]
+    assert live.tolist() == [False, True, True]
+
+
+def test_couple_stress_in_space():
+    """M_ij = (l x f)_i l_j/V of one contact at a wall: l = 2 x, f = 3 y gives the couple 6 z, carried along x."""
+    sphere = Snapshot([[0, 0, 0]], [1.0], [1.0], [[0, 0, 0]], [[0, 0, 0]], [(0, -1)], [[0, 3.0, 0]], [[2.0, 0, 0]], [0.0], volume=10.0)
+    expected = np.zeros((3, 3))
+    expected[2, 0] = 6.0 * 2.0 / 10.0
+    np.testing.assert_allclose(average(sphere, fields="couple_stress").couple_stress, expected, **EXACT)

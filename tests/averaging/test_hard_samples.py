@@ -31,7 +31,9 @@ def test_images_of_unequal_grains_are_those_beyond_the_contact_point():
     """A large and a small disc across the border of a tilted cell that is hardly larger than the large one."""
     cell = np.array([[2.2, 0.0], [0.9, 2.1]])
     branch = 1.2 * np.array([0.96, 0.28])  # longer than half the cell
-    snapshot = make([[1.0, 1.0], 1.0 + branch - cell[1]], [1.0, 0.2], [(0, 1)], [-branch], point=[[1.96, 1.28]], cell=cell)
+    snapshot = make(
+        [[1.0, 1.0], 1.0 + branch - 2 * cell[1] + 3 * cell[0]], [1.0, 0.2], [(0, 1)], [-branch], point=[[1.96, 1.28]], cell=cell
+    )
     np.testing.assert_allclose(average(snapshot).stress, np.outer(branch, branch) / (2.2 * 2.1), **EXACT)
 
 
@@ -60,6 +62,29 @@ def test_nobody_is_seen_in_a_cell_that_a_disc_only_touches_or_passes_by(rng):
     for p in range(80):  # the edge that the disc touches belongs to one ring only
         beyond = np.searchsorted(touching, r[p] + radius[p]) if p < 40 else np.searchsorted(touching, abs(r[p] - radius[p])) - 1
         assert (p >= 40 and r[p] < radius[p]) or beyond not in indices[indptr[p] : indptr[p + 1]]
+
+
+def test_images_of_a_sector_are_turned_with_all_they_carry(rng):
+    """A sixth of a ring, seen at a point in its third image, is the sector seen at the point turned back."""
+    angle, n = np.pi / 3, 40
+    r, phi = rng.uniform(3, 6, n), rng.uniform(0, angle, n)
+    position = np.stack([r * np.cos(phi), r * np.sin(phi)], axis=1)
+    normal = rng.normal(size=(n, 2))
+    point = position + 0.2 * normal / np.hypot(*normal.T)[:, None]
+    snapshot = make(
+        position, np.full(n, 0.3), [(k, -1) for k in range(n)], rng.normal(size=(n, 2)), point=point, sector=angle,
+        velocity=rng.normal(size=(n, 2)), spin=rng.normal(size=n),
+    )  # fmt: skip
+    c, s = np.cos(2 * angle), np.sin(2 * angle)
+    turn = np.array([[c, -s], [s, c]])
+    here = np.array([[4.0, 1.5], [3.5, 3.0]])
+    vectors = ["velocity", "velocity_density", "couple_stress", "curvature", "wall_force_density", "stress_divergence"]
+    dyads = ["stress_static", "stress_dynamic", "fabric", "velocity_gradient", "elastic_strain_raw"]
+    one, other = (average(snapshot, on="points", points=points, width=0.6, fields=vectors + dyads) for points in (here, here @ turn.T))
+    for name in vectors:
+        np.testing.assert_allclose(other[name], turn @ one[name].values, rtol=1e-9, atol=1e-11, err_msg=name)
+    for name in dyads:
+        np.testing.assert_allclose(other[name], np.einsum("ik,klp,jl->ijp", turn, one[name], turn), rtol=1e-9, atol=1e-11, err_msg=name)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +193,7 @@ def test_cells_too_many_to_be_meant_are_refused():
 
 
 def test_an_isotropic_strain_tells_no_shear_modulus():
-    """A grain between the four walls of a turned square, pressed more one way: the deviator of the strain is rounding, and nothing is divided by it."""
+    """A grain between four turned walls, pressed more one way: the deviator of the strain is rounding, and nothing is divided by it."""
     angle = 0.3 + np.arange(4) * np.pi / 2
     normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     pressed = [1.0, 2.0, 1.0, 2.0]

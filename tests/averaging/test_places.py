@@ -43,6 +43,13 @@ def test_cells_of_a_grid_add_up_to_the_box(rng):
         np.testing.assert_allclose(totals(grid, name), totals(box, name), rtol=1e-12, atol=1e-12 * abs(totals(box, name)).max())
 
 
+def test_each_rectangle_has_its_own_area():
+    disc = make([[0.5, 3.5]], [0.4], [], [], mass=[6.0])
+    data = average(disc, on="grid", edges=([0.0, 1.0, 4.0], [0.0, 3.0, 5.0]), fields="density")
+    np.testing.assert_allclose(data.volume, [[3.0, 2.0], [9.0, 6.0]], rtol=1e-14)
+    np.testing.assert_allclose(data.density, [[0.0, 3.0], [0.0, 0.0]], atol=1e-14)
+
+
 def test_rings_add_up_to_the_box(rng):
     """Scalars over all rings are those of the box; so are the traces, which no frame changes. In space too, over rings and levels."""
     for d in (2, 3):

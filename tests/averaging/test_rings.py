@@ -9,6 +9,7 @@ from anisogran import average
 from anisogran.averaging import Rings, drift, field_values, mean_and_error
 from anisogran.averaging.densities import densities
 from anisogran.averaging.overlap_areas import disc_in_circle, ring_shares
+from anisogran.snapshot import Snapshot
 
 area_inside_circle = np.vectorize(disc_in_circle)
 
@@ -81,6 +82,61 @@ def test_rigid_rotation(rng):
     np.testing.assert_allclose(profile.velocity[0], 0, atol=1e-12)
     np.testing.assert_allclose(profile.stress, 0, atol=1e-12)
     np.testing.assert_allclose(profile.shear_rate, 0, atol=1e-13)
+
+
+def test_motion_that_is_linear_in_the_radius_has_its_gradient_in_polar_components(rng):
+    """v_r = a r, v_phi = b r: grad = [[a, -b], [b, a]]; and a spin c r has the curvature (c, 0)."""
+    position = crowd(rng)
+    r = np.hypot(*position.T)
+    velocity = position @ np.array([[0.2, 0.3], [-0.3, 0.2]])
+    snapshot = make(position, np.full(4000, 0.2), [], [], velocity=velocity, spin=0.4 * r)
+    profile = average(snapshot, on="rings", edges=EDGES, fields=["velocity_gradient", "curvature", "strain_rate", "strain_rate_angle"])
+    one = np.ones(len(profile.r))
+    np.testing.assert_allclose(profile.velocity_gradient, np.multiply.outer([[0.2, -0.3], [0.3, 0.2]], one), atol=1e-12)
+    np.testing.assert_allclose(profile.curvature, np.multiply.outer([0.4, 0.0], one), atol=1e-12)
+    np.testing.assert_allclose(profile.strain_rate, np.multiply.outer([[-0.2, 0.0], [0.0, -0.2]], one), atol=1e-12)  # compression positive
+
+
+def test_cylindrical_components_in_space(rng):
+    """Velocity and spin linear in r and z: v_r, v_phi, v_z = A (r, z), with gradients along (r, phi, z) that differ from cell to cell."""
+    n = 5000
+    position = rng.uniform(-6, 6, (n, 3))
+    r, z = np.hypot(position[:, 0], position[:, 1]), position[:, 2]
+    out = np.column_stack([position[:, :2] / r[:, None], np.zeros(n)])
+    along, up = np.column_stack([-out[:, 1], out[:, 0], np.zeros(n)]), np.array([0.0, 0.0, 1.0])
+    A = np.array([[0.2, 0.5], [0.3, -0.4], [0.7, 0.1]])
+
+    def field(a):
+        return sum((a[k, 0] * r + a[k, 1] * z)[:, None] * axis for k, axis in enumerate((out, along, up)))
+
+    snapshot = Snapshot(position, np.full(n, 0.2), np.ones(n), field(A), field(2 * A), [], [], [], [])
+    data = average(
+        snapshot, on="rings", edges=([1.0, 2.0, 4.0], [-3.0, 0.0, 1.0, 3.0]),
+        fields=["velocity", "spin", "velocity_gradient", "curvature", "continuum_spin", "stress_dynamic"],
+    )  # fmt: skip
+    r, z = (part.values for part in xr.broadcast(data.r, data.z))
+    v = np.multiply.outer(A[:, 0], r) + np.multiply.outer(A[:, 1], z)
+    gradient = np.zeros((3, 3, *r.shape))
+    gradient[:, 0], gradient[:, 2] = A[:, 0, None, None], A[:, 1, None, None]
+    gradient[0, 1], gradient[1, 1] = -v[1] / r, v[0] / r
+    np.testing.assert_allclose(data.velocity, v, atol=1e-12)
+    np.testing.assert_allclose(data.spin, 2 * v, atol=1e-12)
+    np.testing.assert_allclose(data.velocity_gradient, gradient, atol=1e-12)
+    np.testing.assert_allclose(data.curvature, 2 * gradient, atol=1e-12)
+    curl = [-gradient[1, 2], gradient[0, 2] - gradient[2, 0], gradient[1, 0] - gradient[0, 1]]  # v_z does not change along phi
+    np.testing.assert_allclose(data.continuum_spin, 0.5 * np.array(curl), atol=1e-12)
+    np.testing.assert_allclose(data.stress_dynamic, 0, atol=1e-11)
+    area = np.pi * np.array([3.0, 12.0])
+    np.testing.assert_allclose(data.volume, np.outer(area, [3.0, 1.0, 2.0]), rtol=1e-14)
+
+
+def test_a_sphere_is_found_in_its_own_ring_and_level():
+    sphere = Snapshot([[0.0, 3.0, 0.5]], [0.1], [2.0], [[0.3, 0.0, 0.4]], [[1.0, 0, 0]], [], [], [], [])
+    data = average(sphere, on="rings", edges=([0.0, 2.0, 4.0], [-3.0, 0.0, 1.0, 3.0]), fields=["density", "velocity", "spin_density"])
+    mass = (data.density * data.volume).values
+    np.testing.assert_allclose(mass, [[0, 0, 0], [0, 2.0, 0]], atol=1e-12)
+    np.testing.assert_allclose(data.velocity[:, 1, 1], [0.0, -0.3, 0.4], atol=1e-12)
+    np.testing.assert_allclose((data.spin_density * data.volume)[:, 1, 1], [0.0, -4 / 3 * np.pi * 0.1**3, 0.0], rtol=1e-9, atol=1e-12)
 
 
 def test_mass_is_counted_once(rng):
