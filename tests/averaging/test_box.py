@@ -253,12 +253,13 @@ def test_contacts_with_rattlers_are_not_counted():
 
 
 def test_a_lost_contact_with_a_wall_is_lost_for_one_grain_only():
-    """A rattler on a wall, and the last grain of all, which has just the contacts it needs."""
-    pairs = [(0, -1), (1, -1), (1, -2)]
-    snapshot = make([[0, 0], [5, 0]], [0.5] * 2, pairs, np.zeros((3, 2)), point=[[-0.5, 0], [4.5, 0], [5.5, 0]])
+    """A rattler on a wall, between a first and a last grain that have just the contacts they need."""
+    pairs = [(0, -1), (0, -2), (1, -1), (2, -1), (2, -2)]
+    point = [[-0.5, 0], [0.5, 0], [4.5, 0], [8.5, 0], [9.5, 0]]
+    snapshot = make([[0, 0], [5, 0], [9, 0]], [0.5] * 3, pairs, np.zeros((5, 2)), point=point)
     kept, live = backbone(snapshot, contact_ends(snapshot), least_contacts=2)
-    assert kept.tolist() == [False, True]
-    assert live.tolist() == [False, True, True]
+    assert kept.tolist() == [True, False, True]
+    assert live.tolist() == [True, True, False, True, True]
 
 
 def test_couple_stress_in_space():

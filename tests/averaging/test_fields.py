@@ -206,3 +206,48 @@ def test_every_field_is_known_to_the_glossary_and_can_be_asked_for(rng):
     }  # fmt: skip
     for name in DERIVED:
         assert set(DERIVED[name].needs) <= {"place", *SUMS, *DERIVED}
+
+
+def test_angles_between_axes_have_their_sign():
+    """Two contacts a and b of a grain: the fabric leans to the middle, the stress to the stronger one, the strain to the deeper one."""
+    a, b = np.deg2rad([10.0, 50.0])
+    normal = np.array([[np.cos(a), np.sin(a)], [np.cos(b), np.sin(b)]])
+    one = Snapshot(
+        [[0, 0], [8.0, 0], [0, 8.0]], [1.0] * 3, [1.0] * 3, [[0, 0], [-0.8, 0], [0, 0]], [0.0] * 3, [(0, -1), (0, -2)],
+        -np.array([[1.0], [3.0]]) * normal, normal, [0.01, 0.05],
+    )  # fmt: skip
+    data = average(one, fields=[name for name in DERIVED if name.endswith("_angle")] + ["elastic_strain"])
+    stress = 0.5 * np.arctan2(np.sin(2 * a) + 3 * np.sin(2 * b), np.cos(2 * a) + 3 * np.cos(2 * b))
+    assert float(data.stress_angle) == pytest.approx(stress)
+    assert float(data.fabric_angle) == pytest.approx(0.5 * (a + b))
+    assert float(data.fabric_to_stress_angle) == pytest.approx(stress - 0.5 * (a + b))
+    assert float(data.strain_rate_angle) == pytest.approx(0.0, abs=1e-12)  # compression along x
+    assert float(data.rate_to_stress_angle) == pytest.approx(stress)
+    assert float(data.rate_to_fabric_angle) == pytest.approx(0.5 * (a + b))
+    # both strains are the best fit of the overlaps, and this one is not symmetric before it is made so
+    moment = 0.01 * np.outer(normal[0], normal[0]) + 0.05 * np.outer(normal[1], normal[1])
+    fit = moment @ np.linalg.inv(normal.T @ normal)
+    assert abs(fit[0, 1] - fit[1, 0]) > 0.01
+    np.testing.assert_allclose(data.elastic_strain, 0.5 * (fit + fit.T), **EXACT)
+    strain = 0.5 * np.arctan2(fit[0, 1] + fit[1, 0], fit[0, 0] - fit[1, 1])
+    assert float(data.strain_to_stress_angle) == pytest.approx(stress - strain)
+
+
+def test_compression_along_y_has_the_angle_90_degrees():
+    """Not -90: the angle of an axis is above -pi/2."""
+    position = np.array([[0, 0], [1.0, 0], [0, 1.0], [1.0, 1.0]])
+    snapshot = make(position, [0.5] * 4, [], [], velocity=position * [0.3, -0.7])
+    assert float(average(snapshot, fields="strain_rate_angle").strain_rate_angle) == pytest.approx(np.pi / 2)
+
+
+def test_grains_on_a_line_tell_no_gradient_and_tension_no_inertial_number():
+    line = make([[0, 0], [1.0, 0], [2.0, 0]], [0.5] * 3, [(0, 1)], [(1.0, 0)], velocity=[[0, 0], [0, 1.0], [0, 2.0]])
+    data = average(line, fields=["velocity_gradient", "stress_dynamic"])
+    assert np.isnan(data.velocity_gradient).all()
+    np.testing.assert_array_equal(data.stress_dynamic, 0.0)  # along the line the motion is linear
+    position = [[0, 0], [1.0, 0], [0, 1.0]]
+    pulled = make(position, [0.5] * 3, [(0, 1)], [(1.0, 0)], velocity=[[0, 0], [0, 1.0], [0, 0]])
+    data = average(pulled, fields=["inertial_number", "pressure", "shear_rate"])
+    assert float(data.pressure) < 0
+    assert float(data.shear_rate) == pytest.approx(1.0)
+    assert np.isnan(data.inertial_number)

@@ -171,6 +171,8 @@ def test_a_snapshot_refuses_what_cannot_be():
     ]:
         with pytest.raises(InputError, match=message):
             make(**two | wrong)
+    with pytest.raises(InputError, match=r"sector = 1 rad must be a whole part of the full turn"):
+        make(**two, sector=1.0)
     make(**two, mass=[1.0, 0.0], fixed=[False, True])  # a wall grain need not weigh anything
     with pytest.raises(InputError, match=r"pairs\[0\] is not of whole numbers"):
         Snapshot([[0, 0], [1, 0]], [0.5] * 2, [1, 1], [[0, 0]] * 2, [0, 0], [[0.5, 1.0]], [[0, 0]], [[0, 0]], [0])
@@ -183,6 +185,11 @@ def test_a_snapshot_in_space_survives_its_dataset(rng):
     back = read_snapshot(snapshot_dataset(sphere))
     np.testing.assert_array_equal(back.spin, [[1.0, 2.0, 3.0]])
     np.testing.assert_array_equal(back.cell, np.diag([4.0, 4.0, 4.0]))
+    assert back.cell_velocity is None
+    drift = [[0.0, 0.0], [0.5, 0.0]]
+    sheared = make([[0, 0]], [1.0], [], [], cell=[4.0, 4.0], cell_velocity=drift)
+    np.testing.assert_array_equal(read_snapshot(snapshot_dataset(sheared)).cell_velocity, drift)
+    assert read_snapshot(snapshot_dataset(make([[5, 1]], [1.0], [], [], sector=np.pi / 3))).sector == np.pi / 3
 
 
 def test_cells_too_many_to_be_meant_are_refused():

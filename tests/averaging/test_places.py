@@ -262,6 +262,9 @@ def test_widths_are_metres_or_mean_diameters():
     assert average(snapshot, on="grid", width="2.5d").sizes["x"] == 2  # 5 m wide
     assert average(snapshot, on="points", points=[[0, 0]], width="2.5d").attrs["width"] == 2.5
     assert average(snapshot, on="points", points=[[0, 0]], width=0.3).attrs["width"] == 0.3
+    large = make([[0.0, 0.0], [4.0, 0.0]], [1.0, 3.0], [], [], fixed=[False, True])
+    assert average(large, on="points", points=[[0, 0]], width="0.3").attrs["width"] == 0.3
+    assert average(large, on="points", points=[[0, 0]], width="1.5d").attrs["width"] == 3.0  # of the free grains
     assert average(snapshot, on="points", points=[[0, 0]]).attrs["kernel"] == "gaussian"
     for wrong in ("d", "1.0 m", "-1d", 0, -1.0, np.nan, "x"):
         with pytest.raises(InputError, match="width"):

@@ -84,6 +84,25 @@ def test_axes_are_averaged_as_axes():
     assert np.rad2deg(error[0]) == pytest.approx(np.std([1, -1, 1, -1], ddof=1) / 2, rel=1e-9)
 
 
+def test_the_error_of_an_angle_is_that_of_an_axis():
+    """Grains pressed along 89 and -89 degrees by turns: the field of the average has the small error."""
+
+    def pressed(angle):
+        normal = np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))])
+        return make([[0, 0]], [1.0], [(0, -1)], [-normal], point=[normal])
+
+    data = average([pressed(angle) for angle in (89, -89, 89, -89)], fields="stress_angle")
+    assert abs(float(data.stress_angle)) == pytest.approx(np.pi / 2)
+    assert np.rad2deg(float(data.stress_angle_error)) == pytest.approx(np.std([1, -1, 1, -1], ddof=1) / 2, rel=1e-9)
+
+
+def test_blocks_of_a_given_size_are_not_joined():
+    blocks = TimeBlocks(size=1)
+    for value in range(MOST_BLOCKS + 5):
+        blocks.add({"x": np.array([float(value)])})
+    assert [part["x"][0] for part in blocks.means()] == list(range(MOST_BLOCKS + 5))
+
+
 def test_a_run_and_its_file_give_the_same_averages(tmp_path):
     """A run is averaged over the frames of its steady state; so is the file that it was saved to."""
     run = ag.SimpleShear(grains=60, strain=1.0, discard=0.4, inertial_number=0.05, frames=12, seed=3).run()
