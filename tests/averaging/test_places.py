@@ -313,3 +313,17 @@ def test_rattlers_are_told_by_whether_there_is_friction():
         snapshot = make(position, [0.51] * 3, pairs, force, point=point)
         assert float(average(snapshot, fields="coordination_number").coordination_number) == carried
         assert float(average(snapshot, fields="coordination_number", least_contacts=2).coordination_number) == 2.0
+
+
+def test_the_default_grid_covers_the_grains_or_one_period(rng):
+    """A sample that is periodic along one axis only comes with a very long lattice vector along the other: no grid runs along that."""
+    position = rng.uniform(0, 1, (50, 2)) * [5.0, 3.0]
+    slab = crowd(rng, 50, position=position, radius=np.full(50, 0.3), cell=[5.0, 1e6])
+    data = average(slab, on="grid", width=1.0, fields="density")
+    assert data.sizes["x"] == 5
+    assert data.sizes["y"] < 5
+    assert float(totals(data, "density")) == pytest.approx(slab.mass.sum(), rel=1e-12)
+    tilted = crowd(rng, 5, position=rng.uniform([1.0, 2.5], [2.0, 3.5], (5, 2)), radius=np.full(5, 0.3), cell=[[5.0, 0.0], [2.0, 3.0]])
+    data = average(tilted, on="grid", width=1.0, fields="density")
+    assert data.density.shape == (5, 3)
+    assert float(totals(data, "density")) == pytest.approx(tilted.mass.sum(), rel=1e-12)

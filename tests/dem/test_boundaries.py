@@ -407,3 +407,13 @@ def test_the_next_stage_begins_with_the_forces_of_the_last():
     s.memory.largest[0], s.memory.spring[0] = 1e-6, 0.5  # a step would load the one and cut the other; a snapshot must not
     sim.snapshot()
     assert (s.memory.largest[0], s.memory.spring[0]) == (1e-6, 0.5)
+
+
+def test_a_periodic_cell_tells_how_its_images_move():
+    """Lattice vectors as rows, and their rates: the image above moves with the shear, those at the sides with the stretch."""
+    sheared = Periodic(4.0, 3.0, shear_rate=0.5)
+    told = sheared.extent(sheared.state())
+    np.testing.assert_allclose(told["cell"], [[4.0, 0.0], [0.0, 3.0]])
+    np.testing.assert_allclose(told["cell_velocity"], [[0.0, 0.0], [1.5, 0.0]])
+    stretched = Periodic(4.0, 3.0, stretch_rate=(-0.1, 0.2))
+    np.testing.assert_allclose(stretched.extent(stretched.state())["cell_velocity"], [[-0.4, 0.0], [0.0, 0.6]])

@@ -84,10 +84,16 @@ def rings(snapshot, width, edges, points, kernel):
 
 
 def grid_bounds(snapshot):
-    """(low, high) of the default grid along each axis: one period of the cell, or the extent of the grains if that is less."""
+    """(low, high) of the default grid along each axis: one period of the cell, or the extent of the grains if that is less.
+
+    A tilted cell is taken whole, since its images come in at the side.
+    """
     bounds = [extent(snapshot, column) for column in snapshot.position.T]
-    sides = np.full(snapshot.dimension, np.inf) if snapshot.cell is None else np.diag(snapshot.cell)
-    return [(low, high) if high - low < side else (0.0, side) for (low, high), side in zip(bounds, sides, strict=True)]
+    if snapshot.cell is None:
+        return bounds
+    sides = np.diag(snapshot.cell)
+    tilted = np.tril(snapshot.cell, -1).any()
+    return [(0.0, side) if tilted or high - low >= side else (low, high) for (low, high), side in zip(bounds, sides, strict=True)]
 
 
 def grid(snapshot, width, edges, points, kernel):

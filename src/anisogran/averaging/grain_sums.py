@@ -45,15 +45,6 @@ def turn_about_axis(vector, angle):
     vector[0], vector[1] = cosine * x - sine * y, sine * x + cosine * y
 
 
-@kernel
-def nearest_images(vectors, cell):
-    """The vectors (n, d), each the shortest of its periodic images."""
-    images = vectors.copy()
-    for k in range(len(images)):
-        to_nearest_image(images[k], cell)
-    return images
-
-
 @subkernel
 def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes, plane):
     """Fills the place e; vectors in the frame of the grain if there is one."""
@@ -180,11 +171,6 @@ def lattice_of(snapshot):
     return np.empty((0, snapshot.dimension)) if snapshot.cell is None else snapshot.cell
 
 
-def nearest_image(snapshot, vectors):
-    """The vectors (C, d) to the nearest periodic image; unchanged without a cell."""
-    return nearest_images(np.ascontiguousarray(vectors, dtype=float), lattice_of(snapshot))
-
-
 def contact_ends(snapshot, axes=None):
     """All contact ends at free grains, as ContactEnds; vectors along the rows of `axes` (N, d, d) of each grain, default the laboratory."""
     n, d = 2 * len(snapshot.pairs), snapshot.dimension
@@ -203,11 +189,6 @@ def contact_ends(snapshot, axes=None):
 def stress_moment(ends, grains):
     """-sum_c f_i l_j for each grain, shape (grains, d, d), N m; compression positive. The static stress is its sum over the area."""
     return -dyad_sums(ends.grain, ends.force, ends.arm, grains)
-
-
-def contact_fabric(ends, grains):
-    """sum_c n_i n_j for each grain, shape (grains, d, d); its trace is the number of contacts."""
-    return dyad_sums(ends.grain, ends.normal, ends.normal, grains)
 
 
 def torque(ends):
