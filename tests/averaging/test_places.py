@@ -278,7 +278,7 @@ def test_options_that_do_not_fit_are_refused():
     for snapshot, options, message in [
         (flat, {"width": 1.0}, "the whole sample has no width"),
         (flat, {"on": "rings", "kernel": "lucy"}, "a kernel is for on='points' and on='grid'"),
-        (flat, {"on": "points"}, r"points must be finite numbers of the shape \(P, 2\)"),
+        (flat, {"on": "points"}, r"the points are missing; give points=, an array \(P, 2\)"),
         (flat, {"on": "points", "points": [[0, 0, 0]]}, r"shape \(P, 2\)"),
         (flat, {"on": "points", "points": [["a", "b"]]}, "no array of numbers"),
         (flat, {"on": "box", "points": [[0, 0]]}, "points are for on='points'"),

@@ -90,7 +90,7 @@ def standard_error(record, axis=False):
 def labelled(values, place, volume):
     """The values (a dict of arrays (..., cells)) of the fields of a place as a Dataset with dims, units, frame and conventions.
 
-    `volume` (cells,) that was averaged over is a coordinate.
+    `volume` (cells,) that was averaged over is a coordinate, of the whole box an attribute as well.
     """
     variables = {}
     for name, array in values.items():
@@ -102,7 +102,9 @@ def labelled(values, place, volume):
     coords = {name: (dims, array, attributes(name)) for name, (dims, array) in place.coords().items()}
     if place.name != "points":  # a kernel is a density already, there is no volume
         coords["volume"] = (place.dims, volume.reshape(place.shape), attributes("volume", place.dimension))
-    return xr.Dataset(variables, coords, {"conventions": CONVENTIONS, "on": place.name, "frame": place.frame, **place.attributes()})
+    whole = {"volume": float(volume[0])} if place.name == "box" else {}
+    told = {"conventions": CONVENTIONS, "on": place.name, "frame": place.frame, **place.attributes(), **whole}
+    return xr.Dataset(variables, coords, told)
 
 
 def mean_and_error(blocks, dimension="block"):

@@ -116,8 +116,10 @@ def grid(snapshot, width, edges, points, kernel):
 def at_points(snapshot, width, edges, points, kernel):
     width = length_in_metres("1.0d" if width is None else width, snapshot)
     d = snapshot.dimension
+    if points is None:
+        raise InputError(f"average on='points': the points are missing; give points=, an array (P, {d}) in m")
     try:
-        centre = np.atleast_2d(np.asarray([] if points is None else points, dtype=float))
+        centre = np.atleast_2d(np.asarray(points, dtype=float))
     except (TypeError, ValueError):
         raise InputError("average on='points': points are no array of numbers") from None
     if centre.ndim != 2 or centre.shape[1] != d or not len(centre) or not np.isfinite(centre).all():
