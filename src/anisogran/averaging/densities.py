@@ -34,7 +34,7 @@ EXTENSIVE = {
     "velocity_density": lambda s: s.sums(s.grain_volume[:, None] * s.velocity),
     "spin_density": lambda s: flat_in_plane(s.sums(s.grain_volume[:, None] * s.spin)),
     # contacts
-    "stress_static": lambda s: s.line_stress() if s.place.name == "points" else s.sums(s.end_dyads(-s.ends.force, s.ends.arm)),
+    "stress_static": lambda s: s.line_stress() if s.place.name == "points" else 0.0 - s.sums(s.end_dyads(s.ends.force, s.ends.arm)),
     "fabric": lambda s: s.sums(s.grain_volume[:, None, None] * s.end_dyads(s.ends.normal, s.ends.normal)),
     "overlap_moment": lambda s: s.sums(s.end_dyads(s.ends.overlap[:, None] * s.ends.normal, s.ends.arm)),
     "branch_moment": lambda s: s.sums(s.end_dyads(s.ends.arm, s.ends.arm)),

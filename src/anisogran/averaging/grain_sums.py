@@ -98,14 +98,14 @@ def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cel
             for k in range(d):
                 arm[k] -= position[j, k]
         else:
-            # the image that lies beyond the contact point: in a narrow cell two grains, or one and itself, touch on both sides
-            whole = 1 + radius[j] / radius[i]
             for k in range(d):
                 force[k] = -forces[c, k]
                 arm[k] = points[c, k] - position[j, k]
-                image[k] = position[j, k] - position[i, k] - whole * (points[c, k] - position[i, k])
             if len(cell):
+                # the image that lies beyond the contact point: in a narrow cell two grains, or one and itself, touch on both sides
+                whole = 1 + radius[j] / radius[i]
                 for k in range(d):
+                    image[k] = position[j, k] - position[i, k] - whole * (points[c, k] - position[i, k])
                     arm[k] += image[k]
                 to_nearest_image(image, cell)
                 for k in range(d):
@@ -115,14 +115,19 @@ def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cel
     return used
 
 
-@kernel
 def dyad_sums(grain, first, second, grains):
     """sum_c first_i second_j for each grain, shape (grains, n, d), from the values (E, n) and (E, d) at its ends."""
-    sums = np.zeros((grains, first.shape[1], second.shape[1]))
+    return unrolled_dyad_sums(grain, first, second, grains, (0.0,) * first.shape[1], (0.0,) * second.shape[1])
+
+
+@kernel
+def unrolled_dyad_sums(grain, first, second, grains, rows, columns):
+    """dyad_sums; the tuples `rows` and `columns` tell the compiler n and d, as `plane` in fill_ends."""
+    sums = np.zeros((grains, len(rows), len(columns)))
     for e in range(len(grain)):
         g = grain[e]
-        for i in range(first.shape[1]):
-            for j in range(second.shape[1]):
+        for i in range(len(rows)):
+            for j in range(len(columns)):
                 sums[g, i, j] += first[e, i] * second[e, j]
     return sums
 
