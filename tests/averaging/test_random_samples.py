@@ -28,7 +28,8 @@ def samples(draw, borders=("none", "none", "cell", "sheared cell", "sector")):
     d, border = draw(st.sampled_from([2, 3])), draw(st.sampled_from(borders))
     n, seed, regular = draw(st.integers(1, 7)), draw(st.integers(0, 10**6)), draw(st.booleans())
     rng = np.random.default_rng(seed)
-    position = rng.integers(-2, 3, (n, d)).astype(float) if regular else rng.normal(scale=2.0, size=(n, d))
+    sites = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * d), axis=-1).reshape(-1, d)
+    position = rng.permutation(sites)[:n] if regular else rng.normal(scale=2.0, size=(n, d))
     count = draw(st.integers(0, 8))
     first, second = rng.integers(0, n, count), rng.integers(-3, n, count)
     pairs = np.stack([first, np.where(first == second, -1, second)], axis=1)
@@ -70,7 +71,7 @@ def known_fields(snapshot, options):
     return names
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=400, deadline=None)
 @given(samples())
 def test_every_field_of_every_sample_is_a_number_or_says_why_not(snapshot):
     for options in places(snapshot):
@@ -140,6 +141,9 @@ def compare(sample, name, found, expected, place):
     if name == "torque_stiffness":  # a quotient of rounding where the spin has no gradient
         told = (sample.curvature.values**2).sum(axis=0) > 1e-6
         found, expected = found[told], expected[told]
+    elif name in ("s_D", "stress_ratio", "inertial_number"):  # and where as many grains as the fit has numbers leave no agitation
+        told = np.abs(sample.pressure.values) > 1e-5
+        found, expected = found[told], expected[told]
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7, err_msg=f"{name} on {place}")
 
 
@@ -172,7 +176,7 @@ def test_cells_add_up_to_the_box(snapshot, seed):
             np.testing.assert_allclose(total, whole, rtol=1e-10, atol=1e-10, err_msg=name)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(samples(borders=("none",)), st.integers(0, 10**6))
 def test_every_field_turns_and_moves_with_the_sample(snapshot, seed):
     """Any rotation and shift in the plane and in space, of the box and of points; about the axis and along it, rings see nothing."""
