@@ -45,6 +45,12 @@ def test_nobody_is_seen_in_a_cell_that_a_disc_only_touches_or_passes_by(rng):
         data = average(disc, on="grid", edges=([0, 1, 2], [0, 1, 2]), fields=["density", "velocity"])
         assert float(data.density[1, 1]) == 0.0
         assert np.isnan(data.velocity[:, 1, 1]).all()
+    for _ in range(100):
+        r, z = rng.uniform(0.55, 0.69, 2)  # in space the corner is a circle
+        ball = Snapshot([[0.0, r, z]], [0.4], [1.0], [[1.0, 2.0, 3.0]], [[0, 0, 0]], [], [], [], [])
+        data = average(ball, on="rings", edges=([0, 1, 2], [0, 1, 2]), fields=["density", "velocity"])
+        assert float(data.density[1, 1]) == 0.0
+        assert np.isnan(data.velocity[:, 1, 1]).all()
     n = 2000
     position, radius = rng.uniform(0, 9, (n, 2)), rng.uniform(0.2, 1.5, n)
     r = np.hypot(*position.T)

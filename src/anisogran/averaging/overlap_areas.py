@@ -88,9 +88,12 @@ def slab_of_sphere(radius, low, high):
 def sphere_in_cylinder(distance, radius, cylinder, low, high):
     """Volume of a sphere inside a cylinder, between heights low <= high above its centre; their axes are `distance` apart."""
     low, high = max(low, -radius), min(high, radius)
-    if low >= high or distance - cylinder >= radius:
+    if low >= high:
         return 0.0
-    if distance + radius <= cylinder:
+    widest = TOUCH * math.sqrt(radius * radius - max(low, -high, 0.0) ** 2)  # of the slices
+    if distance - cylinder >= widest:
+        return 0.0
+    if distance + widest <= cylinder:
         return slab_of_sphere(radius, low, high)
     # a slice of radius sqrt(a^2 - z^2) begins to reach the cylinder, lies in it, or surrounds it where it touches it
     breaks = np.empty(6)
