@@ -141,6 +141,9 @@ def compare(sample, name, found, expected, place):
     if name == "torque_stiffness":  # a quotient of rounding where the spin has no gradient
         told = (sample.curvature.values**2).sum(axis=0) > 1e-6
         found, expected = found[told], expected[told]
+    elif name in ("bulk_modulus", "shear_modulus"):  # nor where contacts nearly along one line leave a strain that is rounding
+        told = np.abs(expected) < 1e6
+        found, expected = found[told], expected[told]
     elif name in ("s_D", "stress_ratio", "inertial_number"):  # and where as many grains as the fit has numbers leave no agitation
         told = np.abs(sample.pressure.values) > 1e-5
         found, expected = found[told], expected[told]
