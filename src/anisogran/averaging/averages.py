@@ -39,7 +39,9 @@ def average(grains, on="box", fields=None, width=None, *, edges=None, points=Non
     least_contacts: a grain with fewer is a rattler and left out of coordination_number; default 2 if any contact bears a tangential force,
     else one more than the dimension.
     velocity, spin and their gradients are those of the linear field that fits the grains of a cell best by mass, told at the middle of the
-    cell (of the box: at the centre of mass); stress_dynamic is the rest. NaN where a cell holds no grain, no contact, or too few.
+    cell (of the box: at the centre of mass); stress_dynamic is the rest. A fit to few grains takes part of their agitation and, in cells
+    narrower than a grain, tells its slope badly: average over time, where all grains of all snapshots count in one fit, or over wider
+    cells. NaN, with the `reason` in the field's attributes, where a cell holds no grain, no contact, or too few.
     Raises InputError for whatever is not known, does not fit, or is not there.
     Source: the lecture's averaging formalism; Weinhart, Thornton, Luding & Bokhove, Granular Matter 14 (2012) 289 for the points.
     """

@@ -14,13 +14,14 @@ from anisogran.compiled import kernel
 
 
 @kernel
-def weighted_sums(indptr, indices, shares, columns, cells):
-    """sum_b share[cell, b] columns[b, :] for each cell, shape (cells, columns)."""
-    sums = np.zeros((cells, columns.shape[1]))
+def weighted_sums(indptr, indices, shares, columns, cells, width):
+    """sum_b share[cell, b] columns[b, :] for each cell, shape (cells, columns); the tuple `width` is as long as there are columns."""
+    sums = np.zeros((cells, len(width)))
     for b in range(len(indptr) - 1):
         for e in range(indptr[b], indptr[b + 1]):
-            for k in range(columns.shape[1]):
-                sums[indices[e], k] += shares[e] * columns[b, k]
+            cell = indices[e]
+            for k in range(len(width)):
+                sums[cell, k] += shares[e] * columns[b, k]
     return sums
 
 
@@ -130,7 +131,7 @@ class Sample:
     def sums(self, values, shares=None):
         """sum_b w Q_b from values (B, ...)."""
         columns = np.ascontiguousarray(values.reshape(len(values), math.prod(values.shape[1:])), dtype=float)
-        total = weighted_sums(*(self.shares if shares is None else shares), columns, self.cells)
+        total = weighted_sums(*(self.shares if shares is None else shares), columns, self.cells, (0.0,) * columns.shape[1])
         return total.reshape(self.cells, *values.shape[1:])
 
     def offset_sums(self, values):

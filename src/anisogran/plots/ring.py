@@ -71,7 +71,7 @@ def velocity_comparison(profiles, comparisons, exponential, wall_speed):
                 label=f"{comparison.name}, L2 = {comparison.l2:.2g}",
             )  # fmt: skip
         place.plot(depth, exponential / wall_speed, color=COLOURS["exponential"], ls="--", lw=1.2, label="exponential, 2 parameters")
-        place.set(xlabel=f"depth {label('depth')}", ylabel=r"$v_\phi/V$, mean of 1 d rings")
+        place.set(xlabel=f"depth {label('depth')}", ylabel=r"$v_\phi/V$, on rings of 1 d")
     lowest = float((profiles.v_phi / wall_speed).where(profiles.v_phi > 0).min())
     axes[0, 1].set(yscale="log", ylim=(0.3 * lowest, 1.5))
     axes[0, 0].legend(fontsize=8, frameon=False)
