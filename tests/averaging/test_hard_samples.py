@@ -58,13 +58,13 @@ def test_nobody_is_seen_in_a_cell_that_a_disc_only_touches_or_passes_by(rng):
     edges = np.sort(np.concatenate([(position[:40, 0] + radius[:40]), (position[40:80, 0] - radius[40:80])]))
     space, levels = np.column_stack([position, rng.uniform(-2, 2, n)]), np.linspace(-1, 1, 5)
     for indptr, indices, shares in (
-        ring_shares(position, radius, np.ones(n, bool), touching, np.empty(0)),
+        ring_shares(position, radius, np.ones(n, bool), touching, None),
         ring_shares(space, radius, np.ones(n, bool), touching, levels),
         grid_shares(position, radius, edges, edges),
     ):
         assert shares.min() >= 0.0
         assert len(indices) == indptr[-1]
-    indptr, indices, _ = ring_shares(position, radius, np.ones(n, bool), touching, np.empty(0))
+    indptr, indices, _ = ring_shares(position, radius, np.ones(n, bool), touching, None)
     for p in range(80):  # the edge that the disc touches belongs to one ring only
         beyond = np.searchsorted(touching, r[p] + radius[p]) if p < 40 else np.searchsorted(touching, abs(r[p] - radius[p])) - 1
         assert (p >= 40 and r[p] < radius[p]) or beyond not in indices[indptr[p] : indptr[p + 1]]

@@ -73,7 +73,7 @@ def test_nothing_is_lost_between_cells(rng):
     edges, levels = np.sort(np.append(rng.uniform(0, 9, 25), [0, 9])), np.sort(np.append(rng.uniform(-7, 7, 20), [-7, 7]))
     free = np.ones(n, bool)
     for indptr, _, shares in (
-        ring_shares(flat, radius, free, edges, np.empty(0)),
+        ring_shares(flat, radius, free, edges, None),
         ring_shares(position, radius, free, edges, levels),
         grid_shares(flat, radius, levels, levels),
     ):
@@ -98,6 +98,6 @@ def test_grid_shares_against_counting(rng):
 
 def test_bodies_outside_have_no_share():
     far = np.array([[50.0, 50.0]])
-    assert ring_shares(far, np.ones(1), np.ones(1, bool), np.array([0.0, 1.0, 2.0]), np.empty(0))[0][-1] == 0
+    assert ring_shares(far, np.ones(1), np.ones(1, bool), np.array([0.0, 1.0, 2.0]), None)[0][-1] == 0
     assert grid_shares(far, np.ones(1), np.array([0.0, 1.0]), np.array([0.0, 1.0]))[0][-1] == 0
-    assert ring_shares(far * 0, np.ones(1), np.zeros(1, bool), np.array([0.0, 1.0, 2.0]), np.empty(0))[0][-1] == 0  # not free
+    assert ring_shares(far * 0, np.ones(1), np.zeros(1, bool), np.array([0.0, 1.0, 2.0]), None)[0][-1] == 0  # not free

@@ -32,7 +32,7 @@ def to_nearest_image(vector, cell):
     Rows of the cell are lattice vectors, lower triangular, so the last axis is reduced first.
     """
     for axis in range(len(cell) - 1, -1, -1):
-        times = np.rint(vector[axis] / cell[axis, axis])
+        times = math.floor(vector[axis] / cell[axis, axis] + 0.5)
         for k in range(axis + 1):
             vector[k] -= times * cell[axis, k]
 
@@ -89,7 +89,7 @@ def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cel
         # the contact as the second grain sees it: by the same lattice vector, or the same turn of a sector, that brought it to the first
         if sector > 0:
             apart = math.atan2(position[i, 1], position[i, 0]) - math.atan2(position[j, 1], position[j, 0])
-            turn = -np.rint(apart / sector) * sector
+            turn = -math.floor(apart / sector + 0.5) * sector
             for k in range(d):
                 force[k] = -forces[c, k]
                 arm[k] = points[c, k]
@@ -144,12 +144,11 @@ def without_rattlers(kept, grain, partner, wall, least_contacts):
         start[grain[e] + 1] += 1
     for g in range(n):
         start[g + 1] += start[g]
-    order, filled = np.empty(len(grain), np.int64), start[:-1].copy()
+    count, lost, order = np.zeros(n, np.int64), np.empty(n, np.int64), np.empty(len(grain), np.int64)
     for e in range(len(grain)):
-        order[filled[grain[e]]] = e
-        filled[grain[e]] += 1
-    count = start[1:] - start[:-1]
-    lost = np.empty(n, np.int64)
+        g = grain[e]
+        order[start[g] + count[g]] = e
+        count[g] += 1
     size = 0
     for g in range(n):
         if kept[g] and count[g] < least_contacts:
@@ -160,7 +159,8 @@ def without_rattlers(kept, grain, partner, wall, least_contacts):
     while done < size:
         g = lost[done]
         done += 1
-        for e in order[start[g] : start[g + 1]]:
+        for k in range(start[g], start[g + 1]):
+            e = order[k]
             if wall[e]:
                 continue
             other = partner[e]

@@ -8,7 +8,8 @@ own gradient of the mean velocity over its own gradient of the mean position, si
 import numpy as np
 
 STEADY = 1e-12  # share of the momentum flux below which what is left of it is rounding
-FLAT = 1e-10  # share of the mean square distance below which the positions count as one: 1e6 times the rounding of the moments
+FLAT = 1e-6  # share of the spread: grains within a thousandth of it from one line tell no slope across the line
+UNSURE = 1e-10  # share of the mean square distance from the middle: below 1e6 times the rounding of the moments nothing is known
 
 
 def quotient(numerator, denominator):
@@ -24,8 +25,8 @@ def inverse_spread(density, mass_offset, mass_spread):
     covariance = np.moveaxis(square - centre[:, None] * centre[None], -1, 0)
     empty = ~np.isfinite(covariance[:, 0, 0])
     values, vectors = np.linalg.eigh(np.where(empty[:, None, None], 0.0, covariance))
-    scale = np.where(empty, 0.0, np.trace(np.moveaxis(square, -1, 0), axis1=1, axis2=2))
-    used = values > FLAT * scale[:, None]
+    distance = np.where(empty, 0.0, np.trace(square))
+    used = values > np.maximum(FLAT * values.sum(axis=1), UNSURE * distance)[:, None]
     inverse = np.divide(1.0, values, out=np.zeros_like(values), where=used)
     return np.einsum("cik,ck,cjk->ijc", vectors, inverse, vectors), used.all(axis=1)
 

@@ -75,7 +75,14 @@ def disc_in_rectangle(x0, x1, y0, y1, radius):
 @subkernel
 def interval_of(edges, value):
     """Index k of the interval edges[k] <= value < edges[k + 1]; -1 below all, len(edges) - 1 above all."""
-    return np.searchsorted(edges, value, side="right") - 1
+    low, high = -1, len(edges)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if edges[middle] <= value:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @subkernel
@@ -95,19 +102,17 @@ def sphere_in_cylinder(distance, radius, cylinder, low, high):
         return 0.0
     if distance + widest <= cylinder:
         return slab_of_sphere(radius, low, high)
-    # a slice of radius sqrt(a^2 - z^2) begins to reach the cylinder, lies in it, or surrounds it where it touches it
+    # a slice of radius sqrt(a^2 - z^2) begins to reach the cylinder, or to surround it, where it touches it; 0 for one that never does
+    touching = math.sqrt(max(radius * radius - (cylinder - distance) ** 2, 0.0))
+    around = math.sqrt(max(radius * radius - (cylinder + distance) ** 2, 0.0))
     breaks = np.empty(6)
     breaks[0] = low
     used = 1
-    touching, around = radius * radius - (cylinder - distance) ** 2, radius * radius - (cylinder + distance) ** 2
-    for sign in (-1.0, 1.0):
-        for square in (touching, around):
-            height = sign * math.sqrt(max(square, 0.0))  # 0 for a slice that never touches: one more break does no harm
-            if low < height < high:
-                breaks[used] = height
-                used += 1
+    for height in (-touching, -around, around, touching):  # ascending
+        if low < height < high:
+            breaks[used] = height
+            used += 1
     breaks[used] = high
-    breaks = np.sort(breaks[: used + 1])
     volume = 0.0
     for piece in range(used):
         begin, length = breaks[piece], breaks[piece + 1] - breaks[piece]
@@ -125,10 +130,11 @@ def ring_shares(position, radius, free, edges, levels):
     """Share of each free disc in each ring edges[k] .. edges[k + 1] about the origin, or of each sphere in each ring and level.
 
     Returns (indptr, indices, shares): those of grain p stand from indptr[p] to indptr[p + 1], each with its cell, a ring in the plane
-    (`levels` empty) or ring * (number of levels - 1) + level in space.
+    (`levels` None, and nothing of spheres is compiled) or ring * (number of levels - 1) + level in space.
     """
-    n, space = len(radius), len(levels) > 0
-    rings, storeys = len(edges) - 1, max(len(levels) - 1, 1)
+    n, rings, storeys = len(radius), len(edges) - 1, 1
+    if levels is not None:
+        storeys = len(levels) - 1
     span = np.empty((n, 4), np.int64)  # first and last ring, first and last level
     indptr = np.zeros(n + 1, np.int64)
     for p in range(n):
@@ -137,7 +143,7 @@ def ring_shares(position, radius, free, edges, levels):
         span[p, 0] = max(interval_of(edges, distance - reach), 0)
         span[p, 1] = min(interval_of(edges, distance + reach), rings - 1)
         span[p, 2], span[p, 3] = 0, 0
-        if space:
+        if levels is not None:
             span[p, 2] = max(interval_of(levels, position[p, 2] - reach), 0)
             span[p, 3] = min(interval_of(levels, position[p, 2] + reach), storeys - 1)
         size = max(span[p, 1] - span[p, 0] + 1, 0) * max(span[p, 3] - span[p, 2] + 1, 0) if free[p] else 0
@@ -148,11 +154,13 @@ def ring_shares(position, radius, free, edges, levels):
             continue
         e, a = indptr[p], radius[p]
         distance = math.sqrt(position[p, 0] ** 2 + position[p, 1] ** 2)
-        whole = 4 / 3 * math.pi * a**3 if space else math.pi * a * a
+        whole = math.pi * a * a
+        if levels is not None:
+            whole *= 4 / 3 * a
         for level in range(span[p, 2], span[p, 3] + 1):
             before = 0.0
             for k in range(span[p, 0], span[p, 1] + 2):  # edges
-                if space:
+                if levels is not None:
                     low, high = levels[level] - position[p, 2], levels[level + 1] - position[p, 2]
                     inside = sphere_in_cylinder(distance, a, edges[k], low, high)
                 else:

@@ -129,7 +129,8 @@ class Rings(Place):
         return np.column_stack([r, *position.T[2:]])
 
     def shares(self, snapshot, bodies):
-        return Shares(*ring_shares(snapshot.position, snapshot.radius, snapshot.free, self.edges, self.levels))
+        levels = self.levels if len(self.levels) else None
+        return Shares(*ring_shares(snapshot.position, snapshot.radius, snapshot.free, self.edges, levels))
 
     def volume(self, snapshot):
         turn = 2 * np.pi if snapshot.sector is None else snapshot.sector

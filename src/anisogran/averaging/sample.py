@@ -14,14 +14,14 @@ from anisogran.compiled import kernel
 
 
 @kernel
-def weighted_sums(indptr, indices, shares, columns, cells, width):
-    """sum_b share[cell, b] columns[b, :] for each cell, shape (cells, columns); the tuple `width` is as long as there are columns."""
-    sums = np.zeros((cells, len(width)))
-    for b in range(len(indptr) - 1):
-        for e in range(indptr[b], indptr[b + 1]):
-            cell = indices[e]
-            for k in range(len(width)):
-                sums[cell, k] += shares[e] * columns[b, k]
+def weighted_sums(indptr, indices, shares, rows, cells):
+    """sum_b share[cell, b] rows[:, b] for each cell, shape (rows, cells); row by row, so that one row of sums stays in the cache."""
+    sums = np.zeros((len(rows), cells))
+    for k in range(len(rows)):
+        for b in range(len(indptr) - 1):
+            value = rows[k, b]
+            for e in range(indptr[b], indptr[b + 1]):
+                sums[k, indices[e]] += shares[e] * value
     return sums
 
 
@@ -130,9 +130,9 @@ class Sample:
 
     def sums(self, values, shares=None):
         """sum_b w Q_b from values (B, ...)."""
-        columns = np.ascontiguousarray(values.reshape(len(values), math.prod(values.shape[1:])), dtype=float)
-        total = weighted_sums(*(self.shares if shares is None else shares), columns, self.cells, (0.0,) * columns.shape[1])
-        return total.reshape(self.cells, *values.shape[1:])
+        rows = np.ascontiguousarray(values.reshape(len(values), math.prod(values.shape[1:])).T, dtype=float)
+        total = weighted_sums(*(self.shares if shares is None else shares), rows, self.cells)
+        return total.T.reshape(self.cells, *values.shape[1:])
 
     def offset_sums(self, values):
         """sum_b w Q_b x_b, shape (cells, ..., k)."""
