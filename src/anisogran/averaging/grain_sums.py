@@ -45,28 +45,6 @@ def turn_about_axis(vector, angle):
     vector[0], vector[1] = cosine * x - sine * y, sine * x + cosine * y
 
 
-@subkernel
-def write_end(ends, e, grain, partner, contact, force, arm, overlap, axes, plane):
-    """Fills the place e; vectors in the frame of the grain if there is one."""
-    d = len(plane)
-    length = 0.0
-    for k in range(d):
-        length += arm[k] * arm[k]
-    length = math.sqrt(length)
-    for a in range(d):
-        if len(axes):
-            f, l = 0.0, 0.0
-            for k in range(d):
-                f += axes[grain, a, k] * force[k]
-                l += axes[grain, a, k] * arm[k]
-        else:
-            f, l = force[a], arm[a]
-        ends.force[e, a] = f
-        ends.arm[e, a] = l
-        ends.normal[e, a] = l / length
-    ends.grain[e], ends.partner[e], ends.contact[e], ends.overlap[e] = grain, partner, contact, overlap
-
-
 @kernel
 def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cell, sector, axes, plane):
     """Writes the ends of all contacts at free grains and returns their number.
@@ -77,41 +55,46 @@ def fill_ends(ends, position, radius, free, pairs, forces, points, overlaps, cel
     force, arm, image = np.empty(d), np.empty(d), np.empty(d)
     used = 0
     for c in range(len(pairs)):
-        i, j = pairs[c]
-        if free[i]:
+        for side in range(2):
+            grain, partner = pairs[c, side], pairs[c, 1 - side]
+            if grain < 0 or not free[grain]:
+                continue
             for k in range(d):
-                force[k] = forces[c, k]
-                arm[k] = points[c, k] - position[i, k]
-            write_end(ends, used, i, j, c, force, arm, overlaps[c], axes, plane)
-            used += 1
-        if j < 0 or not free[j]:
-            continue
-        # the contact as the second grain sees it: by the same lattice vector, or the same turn of a sector, that brought it to the first
-        if sector > 0:
-            apart = math.atan2(position[i, 1], position[i, 0]) - math.atan2(position[j, 1], position[j, 0])
-            turn = -math.floor(apart / sector + 0.5) * sector
-            for k in range(d):
-                force[k] = -forces[c, k]
+                force[k] = forces[c, k] if side == 0 else -forces[c, k]
                 arm[k] = points[c, k]
-            turn_about_axis(force, turn)
-            turn_about_axis(arm, turn)
-            for k in range(d):
-                arm[k] -= position[j, k]
-        else:
-            for k in range(d):
-                force[k] = -forces[c, k]
-                arm[k] = points[c, k] - position[j, k]
-            if len(cell):
+            # the contact as the second grain sees it: by the same turn of a sector, or lattice vector, that brought it to the first
+            if side == 1 and sector > 0:
+                first = math.atan2(position[partner, 1], position[partner, 0])
+                apart = first - math.atan2(position[grain, 1], position[grain, 0])
+                turn = -math.floor(apart / sector + 0.5) * sector
+                turn_about_axis(force, turn)
+                turn_about_axis(arm, turn)
+            elif side == 1 and len(cell):
                 # the image that lies beyond the contact point: in a narrow cell two grains, or one and itself, touch on both sides
-                whole = 1 + radius[j] / radius[i]
+                whole = 1 + radius[grain] / radius[partner]
                 for k in range(d):
-                    image[k] = position[j, k] - position[i, k] - whole * (points[c, k] - position[i, k])
+                    image[k] = position[grain, k] - position[partner, k] - whole * (points[c, k] - position[partner, k])
                     arm[k] += image[k]
                 to_nearest_image(image, cell)
                 for k in range(d):
                     arm[k] -= image[k]
-        write_end(ends, used, j, i, c, force, arm, overlaps[c], axes, plane)
-        used += 1
+            square = 0.0
+            for k in range(d):
+                arm[k] -= position[grain, k]
+                square += arm[k] * arm[k]
+            length = math.sqrt(square)
+            for a in range(d):
+                f, l = force[a], arm[a]
+                if len(axes):
+                    f, l = 0.0, 0.0
+                    for k in range(d):
+                        f += axes[grain, a, k] * force[k]
+                        l += axes[grain, a, k] * arm[k]
+                ends.force[used, a] = f
+                ends.arm[used, a] = l
+                ends.normal[used, a] = l / length
+            ends.grain[used], ends.partner[used], ends.contact[used], ends.overlap[used] = grain, partner, c, overlaps[c]
+            used += 1
     return used
 
 
