@@ -140,3 +140,16 @@ def test_averages_are_timed_on_every_place(capsys, tmp_path):
     assert numbers["share_of_run"] == pytest.approx(numbers["run_average_s"] / numbers["run_interval_s"])
     assert all(value > 0 for value in numbers.values())
     assert "rings_all_s" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("room", ["dem", "averaging"])
+def test_a_file_that_cannot_be_made_is_refused_before_any_work(room, capsys, tmp_path, monkeypatch):
+    def fail(*arguments):
+        raise AssertionError("work was done")
+
+    monkeypatch.setattr("anisogran.benchmark.made_packing", fail)
+    monkeypatch.setattr("anisogran.benchmark.averages.made_packing", fail)
+    with pytest.raises(SystemExit) as end:
+        cli.main(["bench", room, "--json", str(tmp_path / "no" / "a.json")])
+    assert end.value.code == 2
+    assert "cannot be written" in capsys.readouterr().err

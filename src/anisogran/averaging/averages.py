@@ -6,11 +6,11 @@ from itertools import chain
 from anisogran.averaging.blocks import TimeBlocks, field_profiles, labelled
 from anisogran.averaging.choosing import place_of
 from anisogran.averaging.densities import densities
-from anisogran.averaging.fields import check_fields, extensive_needs, field_values
+from anisogran.averaging.fields import check_fields, extensive_needs, field_values, objection
 from anisogran.outcome import InputError
 from anisogran.snapshot import Snapshot
 
-DEFAULT = {  # fields of each place if none are asked for; those with another name in space are dropped there
+DEFAULT = {  # fields of each place if none are asked for, in as far as they are known in its dimension
     "box": (
         "area_fraction", "volume_fraction", "stress", "stress_static", "stress_dynamic", "fabric", "fabric_trace", "fabric_deviator",
         "anisotropy", "coordination_number",
@@ -51,9 +51,7 @@ def average(grains, on="box", fields=None, width=None, *, edges=None, points=Non
         raise InputError("average: there is no snapshot to average")
     place = place_of(first, on, width, edges, points, kernel)
     if fields is None:
-        other = "volume_fraction" if first.dimension == 2 else "area_fraction"
-        plane_only = () if first.dimension == 2 else ("anisotropy",)
-        names = [name for name in DEFAULT[on] if name != other and name not in plane_only]
+        names = [name for name in DEFAULT[place.name] if objection(name, place) is None]
     else:
         names = list(dict.fromkeys([fields] if isinstance(fields, str) else fields))
     check_fields(names, place)

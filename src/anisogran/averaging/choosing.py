@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from anisogran.averaging.places import Grid, Points, Rings, WholeBox, grid_points
+from anisogran.averaging.places import Grid, Points, Rings, WholeBox, grid_points, middles
 from anisogran.averaging.smoothing_kernels import smoothing
 from anisogran.outcome import InputError, checked
 
@@ -105,9 +105,9 @@ def grid(snapshot, width, edges, points, kernel):
         raise InputError(f"average on='grid': edges must be given for each of the {snapshot.dimension} axes")
     edges = [ascending(f"edges along {axis}", given, 2) for axis, given in zip("xyz", edges, strict=False)]
     if kernel is not None:
-        middles = [0.5 * (one[1:] + one[:-1]) for one in edges]
-        shape, dims = tuple(map(len, middles)), tuple("xyz"[: len(edges)])
-        return Points(grid_points(*middles), smoothing(kernel, width, snapshot.dimension), shape, dims)
+        axes = [middles(one) for one in edges]
+        shape, dims = tuple(map(len, axes)), tuple("xyz"[: len(axes)])
+        return Points(grid_points(*axes), smoothing(kernel, width, snapshot.dimension), shape, dims)
     if snapshot.dimension == 3:
         raise InputError("average on='grid': boxes in space have no exact shares of spheres; give kernel='lucy' to smooth at their middles")
     return Grid(*edges)

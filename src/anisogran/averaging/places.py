@@ -108,8 +108,7 @@ class Rings(Place):
 
     @cached_property
     def centre(self):
-        middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (self.edges, self.levels) if len(edges)]
-        return np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1).reshape(-1, len(middles))
+        return grid_points(*(values for _, values in self.coords().values()))
 
     def axes(self, snapshot):
         x, y = snapshot.position[:, 0], snapshot.position[:, 1]
@@ -152,10 +151,7 @@ class Rings(Place):
         return np.concatenate([slope[:1], along_phi, slope[1:]])
 
     def coords(self):
-        coords = {"r": ("r", 0.5 * (self.edges[1:] + self.edges[:-1]))}
-        if len(self.levels):
-            coords["z"] = ("z", 0.5 * (self.levels[1:] + self.levels[:-1]))
-        return coords
+        return {name: (name, middles(edges)) for name, edges in zip("rz", (self.edges, self.levels), strict=True) if len(edges)}
 
     def attributes(self):
         width = {"width": float(np.diff(self.edges).mean()), "edges": self.edges}
@@ -178,7 +174,7 @@ class Grid(Place):
 
     @cached_property
     def centre(self):
-        return grid_points(self.coords()["x"][1], self.coords()["y"][1])
+        return grid_points(middles(self.x_edges), middles(self.y_edges))
 
     def bodies(self, snapshot):
         return free_images(snapshot, self.around)
@@ -196,7 +192,7 @@ class Grid(Place):
         return np.outer(np.diff(self.x_edges), np.diff(self.y_edges)).ravel()
 
     def coords(self):
-        return {name: (name, 0.5 * (edges[1:] + edges[:-1])) for name, edges in (("x", self.x_edges), ("y", self.y_edges))}
+        return {name: (name, middles(edges)) for name, edges in (("x", self.x_edges), ("y", self.y_edges))}
 
     def attributes(self):
         width = [float(np.diff(edges).mean()) for edges in (self.x_edges, self.y_edges)]
@@ -242,6 +238,11 @@ class Points(Place):
         smoothing = self.smoothing
         deviation = standard_deviation(smoothing)
         return {"kernel": KERNELS[smoothing.kind], "width": smoothing.width, "reach": smoothing.reach, "standard_deviation": deviation}
+
+
+def middles(edges):
+    """The middles of the intervals between ascending edges."""
+    return 0.5 * (edges[1:] + edges[:-1])
 
 
 def grid_points(*axes):

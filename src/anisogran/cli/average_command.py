@@ -22,7 +22,9 @@ def average(
     code: Annotated[str | None, typer.Option(help="anisogran, lammps or mercury; default: told by the name of the file.")] = None,
     density: Annotated[float | None, typer.Option(help="Of the grains in kg/m3, where the file has no masses.")] = None,
     every: Annotated[int, typer.Option(help="Take one frame of so many.", min=1)] = 1,
-    least_contacts: Annotated[int | None, typer.Option(help="A grain with fewer is a rattler; default: one more than dimensions.")] = None,
+    least_contacts: Annotated[
+        int | None, typer.Option(help="A grain with fewer is a rattler; default: 2 with friction, else 3 or 4.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="HDF5 file for the fields.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file for the fields.")] = None,
     force: Annotated[bool, typer.Option(help="Replace a file that is there.")] = False,

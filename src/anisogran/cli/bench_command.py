@@ -33,8 +33,12 @@ def bench_dem(
     from anisogran.benchmark import check_effects, dem_benchmark, made_packing, read_packing
 
     check_effects(effects)
-    packed = made_packing(grains) if packing is None else read_packing(packing)
-    told(dem_benchmark, json_file, *packed, effects, steps, warmup, rate, ledger)
+
+    def numbers():
+        packed = made_packing(grains) if packing is None else read_packing(packing)
+        return dem_benchmark(*packed, effects, steps, warmup, rate, ledger)
+
+    tell(json_file, numbers)
 
 
 @bench.command("averaging")
@@ -46,16 +50,16 @@ def bench_averaging(
     """Averages of a dense packing on one core: rings, grid and points, and what they cost beside the run that makes the grains."""
     from anisogran.benchmark import averaging_benchmark
 
-    told(averaging_benchmark, json_file, grains, repeats)
+    tell(json_file, lambda: averaging_benchmark(grains, repeats))
 
 
-def told(benchmark, json_file, *arguments):
-    """Runs the benchmark, writes its numbers (a dict) as JSON if a file is given, and prints them."""
+def tell(json_file, benchmark):
+    """Runs the benchmark and prints its numbers (a dict), as JSON too if a file is given, which is tried before any work is done."""
     if json_file is not None:
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
-    numbers = benchmark(*arguments)
+    numbers = benchmark()
     if json_file is not None:
         from anisogran.files import write_json
 

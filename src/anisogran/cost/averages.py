@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from anisogran.averaging import average, known_at, place_of
+from anisogran.averaging.places import grid_points
 from anisogran.averaging.smoothing_kernels import KERNELS, smoothing, standard_deviation
 from anisogran.benchmark import seconds_of, sheared_snapshot
 from anisogran.cost.tables import row
@@ -32,7 +33,7 @@ def averaging_cost(quick=False):
 def nodes(snapshot, count=30):
     """Points (count^2, 2) of a regular grid over the periodic cell."""
     share = (np.arange(count) + 0.5) / count
-    return np.stack(np.meshgrid(share, share, indexing="ij"), axis=-1).reshape(-1, 2) @ snapshot.cell
+    return grid_points(share, share) @ snapshot.cell
 
 
 def scatter(local, whole):
