@@ -29,7 +29,7 @@ ALLOWED = {  # third parties that only these rooms may import
     "lmfit": {"fitting"},
     "skfem": {"continuum"},
     "matplotlib": {"plots"},
-    "numba": {"compiled", "dem", "averaging"},
+    "numba": {"compiled", "dem", "averaging", "models"},
     "llvmlite": {"compiled", "dem"},
     "typer": {"cli"},
     "rich": {"cli"},

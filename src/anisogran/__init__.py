@@ -19,6 +19,7 @@ _NAMES = {
     "Friction": "dem",
     "contact_path": "dem",
     "Snapshot": "snapshot",
+    "element_test": "models",
     "average": "averaging",
     "contact_directions": "averaging",
     "force_network": "averaging",

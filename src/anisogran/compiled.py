@@ -2,6 +2,10 @@
 
 The compiled code is cached on disk. Numba does not notice when a function in another file has changed (numba issue 1833), so the cache
 folder of a room carries a hash of all its sources and of the versions of the compiler.
+
+What a kernel computes is chosen by the types of its arguments. Each effect or law has its parameters in a NamedTuple of floats, an absent
+effect is None, and `specialised` picks the code by that type, so the signature of a kernel *is* the scene and an absent effect leaves no
+instruction.
 """
 
 import hashlib
@@ -14,7 +18,8 @@ from pathlib import Path
 import numba
 import numpy as np
 from llvmlite import __version__ as llvmlite_version
-from numba import njit
+from numba import njit, types
+from numba.extending import overload
 from platformdirs import user_cache_dir
 
 # "contract" fuses multiply and add; the full fastmath would also let the compiler assume that NaN does not exist, and hide a blow-up.
@@ -66,3 +71,16 @@ def kernel(function, **options):
 def subkernel(function):
     """A function that only other kernels call: without the way in from Python it compiles in two thirds of the time."""
     return kernel(function, no_cpython_wrapper=True)
+
+
+def specialised(table):
+    """A function of (effect, ...) that stands for table[type(effect)], chosen by the compiler or, without one, at the call."""
+
+    def call(effect, *arguments):
+        return table[type(effect)](effect, *arguments)
+
+    @overload(call, jit_options=OPTIONS, strict=False)
+    def _compiled(effect, *arguments):
+        return table[type(None) if effect == types.none else effect.instance_class]
+
+    return call

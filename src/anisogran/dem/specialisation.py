@@ -1,8 +1,4 @@
-"""What the kernels of this room need beyond the compiler: one switch on the type of an effect, one promise to the vectoriser.
-
-A scene is compiled for exactly the effects it has. Each effect's parameters are a NamedTuple of floats, an absent effect is None, and
-`specialised` picks the code by that type, so the signature of a kernel *is* the scene and an absent effect leaves no instruction.
-"""
+"""What the kernels of this room need beyond the compiler: memory that absent effects do not have, one promise to the vectoriser."""
 
 from llvmlite import ir
 from numba import types
@@ -10,19 +6,6 @@ from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic, overload
 
 from anisogran.compiled import OPTIONS
-
-
-def specialised(table):
-    """A function of (effect, ...) that stands for table[type(effect)], chosen by the compiler or, without one, at the call."""
-
-    def call(effect, *arguments):
-        return table[type(effect)](effect, *arguments)
-
-    @overload(call, jit_options=OPTIONS, strict=False)
-    def _compiled(effect, *arguments):
-        return table[type(None) if effect == types.none else effect.instance_class]
-
-    return call
 
 
 @intrinsic

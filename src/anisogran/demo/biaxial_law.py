@@ -12,7 +12,7 @@ import numpy as np
 
 from anisogran import fitting
 from anisogran.averaging import contact_network
-from anisogran.models import ScalarParameters, isobaric_biaxial, mobilised_angle, network_moduli
+from anisogran.models import biaxial, element_test, mobilised_angle, network_moduli
 from anisogran.outcome import InputError
 
 
@@ -94,10 +94,10 @@ def scalar_law(series, pressure, fits, response):
     E, B = response["E"], response["B"]
     if not np.all(np.isfinite([E, B])):
         return None, ", not drawn, since the response does not determine E and B"
-    parameters = ScalarParameters(E=E, B=B, s_max=s_D["s_max"], A_max=0.5 * E * anisotropy["s_max"], beta_F=anisotropy["beta"])
+    parameters = {"E": E, "B": B, "s_max": s_D["s_max"], "A_max": 0.5 * E * anisotropy["s_max"], "beta_F": anisotropy["beta"]}
     last = series.eps_zz.values[series.eps_D.values <= fits["s_D"].x_range[1]].max()
     try:
-        element = isobaric_biaxial(np.linspace(0.0, last, 300), pressure, parameters)
+        element = element_test("scalar", parameters, biaxial([0.0, last], pressure), steps=300)
     except InputError as error:
         return None, f", not drawn: {error}"
     return element, "" if element.status.level == "ok" else f", {element.status}"

@@ -2,24 +2,37 @@
 
 from anisogran.models.anisotropic import directional_stiffness, stiffness, stress_increment
 from anisogran.models.contact_moduli import NetworkModuli, network_moduli
+from anisogran.models.controls import biaxial, cyclic, isotropic_compression, pure_shear, simple_shear
 from anisogran.models.critical_state import CriticalFlow, critical_flow
-from anisogran.models.element import ElementTest, isobaric_biaxial
-from anisogran.models.evolution import relax
+from anisogran.models.element import ElementTest, element_test
+from anisogran.models.evolution import relax, relax_tensor
+from anisogran.models.integrators import INTEGRATORS, Explicit, Midpoint, RungeKutta45
+from anisogran.models.laws import LAWS, law_parameters
 from anisogran.models.mohr_coulomb import YieldLine, macro_cohesion, mobilised_angle, mohr_coulomb_line, peak_stress
 from anisogran.models.mu_of_i import ill_posed, mu_linear, mu_of_I, mu_regularised, neutral_inertial_numbers, well_posedness
-from anisogran.models.scalar import ScalarParameters, ScalarState, scalar_step, softening
+from anisogran.models.scalar import softening
+from anisogran.models.update import PointState, Updated, updated
 
 __all__ = [
+    "INTEGRATORS",
+    "LAWS",
     "CriticalFlow",
     "ElementTest",
+    "Explicit",
+    "Midpoint",
     "NetworkModuli",
-    "ScalarParameters",
-    "ScalarState",
+    "PointState",
+    "RungeKutta45",
+    "Updated",
     "YieldLine",
+    "biaxial",
     "critical_flow",
+    "cyclic",
     "directional_stiffness",
+    "element_test",
     "ill_posed",
-    "isobaric_biaxial",
+    "isotropic_compression",
+    "law_parameters",
     "macro_cohesion",
     "mobilised_angle",
     "mohr_coulomb_line",
@@ -29,10 +42,13 @@ __all__ = [
     "network_moduli",
     "neutral_inertial_numbers",
     "peak_stress",
+    "pure_shear",
     "relax",
-    "scalar_step",
+    "relax_tensor",
+    "simple_shear",
     "softening",
     "stiffness",
     "stress_increment",
+    "updated",
     "well_posedness",
 ]

@@ -1,112 +1,218 @@
-"""Element test: one point of the scalar law driven along a path with mixed control (one strain, one stress)."""
+"""The element test: one point of any law along any path, each component controlled by strain or by stress, as in MFront's MTest."""
 
-from dataclasses import dataclass
-from math import isfinite
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 
 import numpy as np
 
-from anisogran.models.scalar import ScalarState, scalar_step
+from anisogran.models.controls import ROWS, planned
+from anisogran.models.driver import LOST_CONTROL, MOST_ITERATIONS, NOT_REACHABLE, drive
+from anisogran.models.laws import LAWS, law_parameters
+from anisogran.models.point import MEANING, OK, Point
+from anisogran.models.update import NO_SHEAR, integrator_record, state_of
 from anisogran.outcome import InputError, Status, checked
 
-_MAX_ITERATIONS = 10
-_TOLERANCE = 1e-11  # of the pressure; rounding of sigma_V - sigma_D is some 1e-16 of it
+_TOLERANCE = 1e-11  # of the largest stress of path and start: rounding is some 1e-16 of it
+_SMALL_PRESSURE = 1e-6  # of E: below, the ratio s_D is made of rounding
+_REASONS = {
+    **MEANING,
+    NOT_REACHABLE: f"the prescribed stress is not reachable (no solution in {MOST_ITERATIONS} Newton iterations); "
+    "if it should be, try smaller steps",
+    LOST_CONTROL: "the sample gives way: its tangent is no longer positive definite in the directions of the prescribed stress",
+}
 
 
 @dataclass(frozen=True)
 class ElementTest:
-    """Curves along the path, each of shape (n,), and how it ended.
+    """Curves along the path, start included, and how it ended; if it failed they end at the last state that was reached.
 
-    Strains half/half and stresses, compression positive, as in the glossary; A has the unit of the moduli. If `status` is failed
-    the curves end at the last state that was reached, and `status.require()` raises.
+    strain, stress   (2, 2, n): true strain, compression positive; axes x and z
+    internal         name: (n,), the internal variables of the law
+    spin, time       (n,): rotation of the material in rad, time in s, totals
+    work             (n,): work done on the sample per area, by the trapezoidal rule [unit of stress]
+    status           `status.require()` raises if the path was not completed
+    reproduction     "" or the text of a small file that repeats the step that failed, for `anisogran element`
     """
 
-    eps_zz: np.ndarray
-    eps_xx: np.ndarray
-    eps_V: np.ndarray
-    eps_D: np.ndarray
-    sigma_xx: np.ndarray
-    sigma_zz: np.ndarray
-    s_D: np.ndarray
-    A: np.ndarray
+    law: str
+    parameters: dict
+    strain: np.ndarray
+    stress: np.ndarray
+    internal: dict
+    spin: np.ndarray
+    time: np.ndarray
+    work: np.ndarray
     status: Status
+    reproduction: str = field(repr=False)
+
+    @property
+    def eps_xx(self):
+        return self.strain[0, 0]
+
+    @property
+    def eps_zz(self):
+        return self.strain[1, 1]
+
+    @property
+    def eps_V(self):
+        """(eps_xx + eps_zz)/2, half of the trace."""
+        return 0.5 * (self.strain[0, 0] + self.strain[1, 1])
+
+    @property
+    def eps_D(self):
+        """(eps_zz - eps_xx)/2, signed: positive for compression along z."""
+        return 0.5 * (self.strain[1, 1] - self.strain[0, 0])
+
+    @property
+    def sigma_xx(self):
+        return self.stress[0, 0]
+
+    @property
+    def sigma_zz(self):
+        return self.stress[1, 1]
+
+    @property
+    def sigma_V(self):
+        """(sigma_xx + sigma_zz)/2, the pressure."""
+        return 0.5 * (self.stress[0, 0] + self.stress[1, 1])
+
+    @property
+    def s_D(self):
+        """(sigma_zz - sigma_xx)/(sigma_zz + sigma_xx), signed as eps_D; in the axes of the box only, see `stress_ratio`."""
+        return (self.stress[1, 1] - self.stress[0, 0]) / (self.stress[1, 1] + self.stress[0, 0])
+
+    @property
+    def stress_ratio(self):
+        """sigma_D/sigma_V = sin(mobilised friction angle) >= 0, for any axes."""
+        return np.hypot(0.5 * (self.stress[0, 0] - self.stress[1, 1]), self.stress[0, 1]) / self.sigma_V
 
 
-def isobaric_biaxial(eps_zz, pressure, parameters, A_start=0.0):
-    """The biaxial box at constant sigma_xx = pressure, driven by the vertical strains eps_zz: an `ElementTest`.
+def element_test(law, parameters, control, start=None, steps=None, integrator="midpoint"):
+    """Drives one point of a law along a path: an `ElementTest`.
 
-    `eps_zz`, shape (n,): true strains of the path, compression positive, from the isotropic start at eps_zz[0]; it may turn back.
-    `parameters` is a `ScalarParameters`; `A_start` the anisotropy at the start. One step of `scalar_step` per interval, hence
-    second order in the strain step. Strictly eps_V/eps_D = S (B - A)/(E - A), so the sample contracts while A < B.
-    The path stops with status failed if the stiffness is no longer positive definite (E B <= A^2), if the box gives way sideways,
-    or if sigma_xx = pressure cannot be reached. Raises InputError for a bad path, pressure or parameter, or E B <= A_start^2.
+    law           a name of `LAWS`: scalar, tensorial, mohr_coulomb, mu_of_I
+    parameters    dict of the law's parameters, see `law_parameters`
+    control       dict of what is prescribed, see `controls`: numbers, or turning points of one length
+    start         pressure of an isotropic sample, or dict of sigma_xx, sigma_zz, sigma_xz and internal variables; what it does not say is
+                  taken from the prescribed stress (the pressure of a biaxial box), and 0 for internal variables
+    steps         equal steps from one turning point to the next; None: one, the points are the path
+    integrator    "midpoint" (second order), "rk45" (error control) or "explicit" (first order)
+
+    Where a stress is prescribed, Newton's method finds the strain of each step to 1e-11 of the largest stress, with the consistent tangent.
+    A path that cannot be followed ends with status failed, by name: tension, a stiffness that is not positive definite, a stress that is
+    not reachable, a sample that gives way, and what the law itself knows. Raises InputError for input that makes no sense.
     """
-    path = _checked_path(eps_zz)
-    pressure = checked("isobaric_biaxial", "pressure", pressure, above=0.0)
-    p = _checked_parameters(parameters, A_start)
-    state = ScalarState(pressure, 0.0, float(A_start))
-    eps_xx, states, status = [0.0], [state], Status()
-    for d_eps_zz in np.diff(path):
-        new, d_eps_xx, trouble = _isobaric_step(state, d_eps_zz, pressure, p)
-        if not trouble and p.E * p.B <= new.A**2:
-            trouble = f"the stiffness is not positive definite: E B = {p.E * p.B:g} <= A^2 = {new.A**2:g}"
-        if trouble:
-            status = status.fail(f"stopped at eps_zz = {path[len(states) - 1]:.6g}: {trouble}")
-            break
-        state = new
-        states.append(state)
-        eps_xx.append(eps_xx[-1] + d_eps_xx)
-    sigma_V, sigma_D, A = (np.array(column, dtype=float) for column in zip(*states, strict=True))
-    eps_zz, eps_xx = path[: len(states)] - path[0], np.array(eps_xx)
-    return ElementTest(
-        eps_zz=path[: len(states)],
-        eps_xx=eps_xx,
-        eps_V=0.5 * (eps_zz + eps_xx),
-        eps_D=0.5 * (eps_zz - eps_xx),
-        sigma_xx=sigma_V - sigma_D,
-        sigma_zz=sigma_V + sigma_D,
-        s_D=sigma_D / sigma_V,
-        A=A,
-        status=status,
-    )
+    record = law_parameters(law, **_mapping("parameters", parameters))
+    method = integrator_record(integrator)
+    plan = planned(_mapping("control", control), steps)
+    if law == "scalar" and (np.any(plan.spin) or any(key.endswith("xz") and np.any(plan.path[key]) for key in plan.rows)):
+        raise InputError(f"element_test: {NO_SHEAR}")
+    state = _start(law, start, plan)
+    LAWS[law].check_start(record, state)
+    n = len(plan.goals)
+    states, strains = np.empty((n + 1, 5)), np.empty((n + 1, 3))
+    states[0], strains[0] = state, plan.first_strain
+    largest = max(np.max(np.abs(state[:3])), *(np.max(np.abs(plan.path[key])) for key in plan.rows if key.startswith("sigma")), 0.0)
+    done, code = drive(
+        method, record, states[0], plan.goals, plan.of_strain, plan.of_stress, np.diff(plan.spin), np.diff(plan.time),
+        _TOLERANCE * largest, states[1:], strains[1:],
+    )  # fmt: skip
+    strains[1:] += strains[0]
+    kept = slice(done + 1)
+    test = _curves(law, dict(parameters), states[kept], strains[kept], plan.spin[kept], plan.time[kept])
+    status = _remarked(test, parameters)
+    if code == OK:
+        return replace(test, status=status)
+    status = status.fail(f"stopped at {plan.place(done)}, {_told(test)}: {_REASONS[code]}")
+    return replace(test, status=status, reproduction=_reproduction(test, plan.path, done, integrator))
 
 
-def _isobaric_step(state, d_eps_zz, pressure, parameters):
-    """(new state, d eps_xx, trouble): Newton for the lateral strain that keeps sigma_xx; trouble is a sentence, or ""."""
-    d_eps_xx = -d_eps_zz  # the isochoric guess: exact at the critical state, and on the right side of the kink at d_eps_D = 0
-    for _ in range(_MAX_ITERATIONS):
-        increment = 0.5 * (d_eps_zz + d_eps_xx), 0.5 * (d_eps_zz - d_eps_xx)
-        new, (sigma_V, sigma_D), tangent = scalar_step(state, increment, parameters)
-        if not (isfinite(sigma_V) and isfinite(sigma_D)) or sigma_V <= 0.0:
-            return state, 0.0, f"the sample goes into tension (sigma_V = {sigma_V:g})"
-        lateral = 0.5 * ((tangent[0, 0] - tangent[1, 0]) - (tangent[0, 1] - tangent[1, 1]))  # d sigma_xx / d eps_xx
-        if lateral <= 0.0:
-            return state, 0.0, f"the box gives way sideways: d sigma_xx/d eps_xx = {lateral:g} is not positive"
-        if abs(sigma_V - sigma_D - pressure) <= _TOLERANCE * pressure:
-            return ScalarState(*(float(value) for value in new)), d_eps_xx, ""
-        d_eps_xx = d_eps_xx - (sigma_V - sigma_D - pressure) / lateral
-    return (
-        state,
-        0.0,
-        f"sigma_xx = {pressure:g} is not reachable in {_MAX_ITERATIONS} Newton iterations; try a smaller strain step",
-    )
+def _mapping(key, value):
+    if not isinstance(value, Mapping):
+        raise InputError(f"element_test: {key} must be a dict of names and numbers, is {value!r}")
+    return value
 
 
-def _checked_path(eps_zz):
-    path = np.asarray(eps_zz, dtype=float)
-    if path.ndim != 1 or path.size < 2 or not np.all(np.isfinite(path)):
-        raise InputError(f"isobaric_biaxial: eps_zz must be one row of at least two finite strains, has shape {path.shape}")
-    return path
+def _start(law, start, plan):
+    """The `Point` at the start."""
+    names = [name for name in LAWS[law].INTERNAL if name]
+    stresses = {"sigma_xx", "sigma_zz", "sigma_xz"}
+    if not isinstance(start, Mapping):
+        start = {} if start is None else {"sigma_xx": start, "sigma_zz": start}
+    for key in start:
+        if key not in stresses.union(names):
+            near = get_close_matches(str(key), [*stresses, *names], 1, 0.0)[0]
+            raise InputError(
+                f"element_test: start has {key!r}, did you mean {near!r}? It has sigma_xx, sigma_zz, sigma_xz, {', '.join(names)}"
+            )
+    start = {key: checked("element_test: start", key, value) for key, value in start.items()}
+    inner = [start.get(name, 0.0) if name else 0.0 for name in LAWS[law].INTERNAL]
+    if not LAWS[law].STRESS_IS_STATE:
+        if stresses.intersection(start):
+            raise InputError(f"element_test: the {law} law starts from {', '.join(names)}, its stress follows")
+        return Point(0.0, 0.0, 0.0, *inner)
+    prescribed = {key: float(plan.path[key][0]) for key in plan.rows if key.startswith("sigma")}
+    pressure = prescribed.get("sigma_V", prescribed.get("sigma_xx", prescribed.get("sigma_zz", 0.0)))
+    xx, zz = (start.get(key, prescribed.get(key, pressure)) for key in ("sigma_xx", "sigma_zz"))
+    xz = start.get("sigma_xz", prescribed.get("sigma_xz", 0.0))
+    found = {"sigma_xx": xx, "sigma_zz": zz, "sigma_xz": xz, "sigma_V": 0.5 * (xx + zz), "sigma_D": 0.5 * (zz - xx)}
+    for key, value in prescribed.items():
+        if abs(found[key] - value) > 1e-9 * max(abs(xx), abs(zz)):  # rounding of sums
+            raise InputError(f"element_test: {key} is prescribed as {value:g} at the start, but the sample starts at {found[key]:g}")
+    return Point(found["sigma_V"], -found["sigma_D"], xz, *inner)
 
 
-def _checked_parameters(p, A_start):
-    where = "isobaric_biaxial"
-    checked(where, "E", p.E, above=0.0)
-    checked(where, "B", p.B, above=0.0)
-    checked(where, "s_max", p.s_max, at_least=0.0, below=1.0)
-    checked(where, "A_max", p.A_max)
-    checked(where, "beta_F", p.beta_F, at_least=0.0)
-    A_start = checked(where, "A_start", A_start)
-    limit = (p.E * p.B) ** 0.5
-    if abs(A_start) >= limit:
-        raise InputError(f"{where}: |A_start| = {abs(A_start):g} must be below sqrt(E B) = {limit:g}: not positive definite")
-    return p
+def _curves(law, parameters, states, strains, spin, time):
+    """The ElementTest of flat states (n, 5) and strains (n, 3), its status still to be told."""
+    state = state_of(law, np.ascontiguousarray(states.T), (len(states),))
+    eps_V, eps_1, eps_2 = strains.T
+    strain = np.array([[eps_V + eps_1, eps_2], [eps_2, eps_V - eps_1]])
+    mean_stress = 0.5 * (state.stress[..., 1:] + state.stress[..., :-1])
+    work = np.concatenate([[0.0], np.cumsum(np.einsum("ijn,ijn->n", mean_stress, np.diff(strain)))])
+    return ElementTest(law, parameters, strain, state.stress, state.internal, spin, time, work, Status(), "")
+
+
+def _remarked(test, parameters):
+    """What a user should know of a path that went well so far."""
+    status = Status()
+    smallest = float(test.sigma_V[1:].min()) if test.sigma_V.size > 1 else np.inf
+    if "E" in parameters and 0.0 <= smallest < _SMALL_PRESSURE * parameters["E"]:
+        status = status.warn(f"sigma_V falls to {smallest:.3g}, below {_SMALL_PRESSURE:g} E: stress ratios are not accurate there")
+    steps = np.abs(np.diff(test.work)).sum()
+    closed = np.max(np.abs(test.strain[..., -1] - test.strain[..., 0])) <= 1e-9 * np.max(np.abs(test.strain - test.strain[..., :1]))
+    if closed and steps > 0.0 and test.work[-1] < -1e-10 * steps:
+        status = status.warn(
+            f"the closed strain path gave {-test.work[-1] / steps:.3g} of its work back: stored before, or made by the law"
+        )
+    return status
+
+
+def _told(test):
+    """The last state in words."""
+    xx, zz, xz = test.stress[0, 0, -1], test.stress[1, 1, -1], test.stress[0, 1, -1]
+    inner = ", ".join(f"{name} = {values[-1]:.6g}" for name, values in test.internal.items())
+    return f"where sigma_xx = {xx:.6g}, sigma_zz = {zz:.6g}, sigma_xz = {xz:.6g}, {inner}"
+
+
+def _reproduction(test, path, done, integrator):
+    """The text of a file for `anisogran element` with the step that failed alone."""
+    stress = test.stress[..., -1]
+    whole = LAWS[test.law].STRESS_IS_STATE
+    start = {"sigma_xx": stress[0, 0], "sigma_zz": stress[1, 1], "sigma_xz": stress[0, 1]} if whole else {}
+    start |= {name: values[-1] for name, values in test.internal.items()}
+    lines = [f'law = "{test.law}"', f'integrator = "{integrator}"', "", "[parameters]"]
+    lines += [f"{key} = {float(value)!r}" for key, value in test.parameters.items() if value is not None]
+    lines += ["", "[start]", *(f"{key} = {float(value)!r}" for key, value in start.items()), "", "[control]"]
+    for key, values in path.items():
+        last, goal = (float(value) for value in values[done : done + 2])
+        if key.startswith("sigma") and whole:
+            last = float(_component(key, stress))  # as the last state has it, to its last digit
+        lines.append(f"{key} = [{last!r}, {goal!r}]")
+    return "\n".join(lines) + "\n"
+
+
+def _component(key, stress):
+    """sigma_xx, sigma_zz, sigma_xz, sigma_V or sigma_D of a stress (2, 2)."""
+    parts = np.array([0.5 * (stress[0, 0] + stress[1, 1]), 0.5 * (stress[0, 0] - stress[1, 1]), stress[0, 1]])
+    return ROWS[key.removeprefix("sigma_")] @ parts

@@ -1,13 +1,17 @@
 """Exponential approach to a limit: the evolution of stress ratio and anisotropy with deviatoric strain (Luding's lecture).
 
-    dx = beta (x_max sgn(d eps_D) - x) |d eps_D|
+    dx = beta (x_max sgn(d eps_D) - x) |d eps_D|                             scalar
+    da = beta (a_max d eps - a |d eps|) + dw x a                             tensor, d eps the deviator of the strain, dw the rotation
 
-The lecture writes it for growing eps_D. The sign makes it hold after a load reversal, where x turns towards -x_max.
+The lecture writes the scalar for growing eps_D. The sign makes it hold after a load reversal, where x turns towards -x_max. The tensor
+form is the same law in any direction, carried along by the rotation of the material; both are solved exactly for a constant direction.
 """
 
 import numpy as np
 
-from anisogran.outcome import InputError
+from anisogran.compiled import kernel, subkernel
+from anisogran.models.point import size
+from anisogran.outcome import InputError, checked
 
 
 def loading_sense(d_eps_D):
@@ -27,3 +31,59 @@ def relax(x0, x_max, beta, d_eps_D):
     sense = loading_sense(d_eps_D)
     # expm1 keeps x0 exactly when nothing happens (beta = 0 or no increment) and tiny increments accurate
     return x0 - (x_max * sense - x0) * np.expm1(-beta * (sense * d_eps_D))
+
+
+@subkernel
+def relaxed_vector(first, second, limit, beta, eps_1, eps_2, spin):
+    """The vector a of a deviator after `relax_tensor`'s law; plain numbers, real or complex."""
+    b = beta * size(eps_1, eps_2)
+    w = 2.0 * spin
+    decay = np.exp(-b)
+    c, s = np.cos(w), np.sin(w)
+    # the mean of exp(z t) over 0 < t < 1 with z = -b + i w, as (real, imaginary)
+    square = b * b + w * w
+    if square.real > 1e-5 or square.real < -1e-5:
+        up, side = decay * c - 1.0, decay * s
+        mean_r, mean_i = (side * w - up * b) / square, -(side * b + up * w) / square
+    else:  # the closed form would cancel; the first term left out, |z|^5/720, is rounding
+        mean_r = 1.0 - b / 2.0 + (b * b - w * w) / 6.0 - b * (b * b - 3.0 * w * w) / 24.0 + (square * square - 8.0 * b * b * w * w) / 120.0
+        mean_i = w * (0.5 - b / 3.0 + (3.0 * b * b - w * w) / 24.0 - b * (b * b - w * w) / 30.0)
+    gain_1, gain_2 = beta * limit * eps_1, beta * limit * eps_2
+    return (
+        decay * (c * first - s * second) + mean_r * gain_1 - mean_i * gain_2,
+        decay * (s * first + c * second) + mean_r * gain_2 + mean_i * gain_1,
+    )
+
+
+@kernel
+def _relax_all(a, limit, beta, strain, spin, out):
+    for n in range(a.shape[1]):
+        out[0, n], out[1, n] = relaxed_vector(a[0, n], a[1, n], limit, beta, strain[0, n], strain[1, n], spin[n])
+
+
+def relax_tensor(a, a_max, beta, d_eps, d_spin=0.0):
+    """The deviator a[i, j, ...] after a strain increment d_eps[i, j, ...] and a rotation d_spin[...] (rad, counter-clockwise).
+
+    a = A D(phi_C): size A, axis phi_C; it tends to a_max along the axis of the largest compression of d_eps (compression positive), whose
+    trace does not matter. Exact for any size of an increment whose direction and ratio of rotation to strain are constant, as in
+    simple shear; without a rotation and along one axis it is `relax`. |a| never exceeds the larger of |a_0| and a_max (if >= 0).
+    Returns (2, 2, ...), symmetric and traceless; a and a_max share any unit.
+    Raises InputError for shapes that are not (2, 2, ...), a beta < 0, or numbers that are not finite.
+    """
+    beta, a_max = checked("relax_tensor", "beta", beta, at_least=0.0), checked("relax_tensor", "a_max", a_max)
+    a, d_eps, d_spin = np.asarray(a, dtype=float), np.asarray(d_eps, dtype=float), np.asarray(d_spin, dtype=float)
+    if a.shape[:2] != (2, 2) or d_eps.shape[:2] != (2, 2):
+        raise InputError(f"relax_tensor: a and d_eps must be (2, 2, ...), have shapes {a.shape} and {d_eps.shape}")
+    batch = np.broadcast_shapes(a.shape[2:], d_eps.shape[2:], d_spin.shape)
+    flat_a, flat_eps = (_vector(t, batch) for t in (a, d_eps))
+    out = np.empty_like(flat_a)
+    _relax_all(flat_a, a_max, beta, flat_eps, np.broadcast_to(d_spin, batch).reshape(-1).copy(), out)
+    first, second = out.reshape(2, *batch)
+    return np.array([[first, second], [second, -first]])
+
+
+def _vector(t, batch):
+    """(2, n): the vector of the deviator of t, batch flattened."""
+    parts = np.array([0.5 * (t[0, 0] - t[1, 1]), 0.5 * (t[0, 1] + t[1, 0])])
+    parts = parts.reshape(2, *(1,) * (len(batch) - (t.ndim - 2)), *t.shape[2:])
+    return np.ascontiguousarray(np.broadcast_to(parts, (2, *batch)).reshape(2, -1))

@@ -5,25 +5,17 @@
 
 Moduli as in Luding's lecture, "Constitutive model - scalar". S stands on the whole eps_D column, as in Magnanimo & Luding,
 Granular Matter 13, 225 (2011) (equations recalled, not checked against the paper): the determinant is S (E B - A^2), so the
-critical state S = 0 is isochoric for every E B > A^2. The sign in S makes unloading stiff. Half/half, compression positive.
+critical state S = 0 is isochoric for every E B > A^2. The sign in S makes unloading stiff, S up to 2. Above s_max (a start value, or
+decompression at constant sigma_D) S is negative: the material softens, and s_D comes down to s_max. Half/half, compression positive.
+The axes are those of the box, sigma_D = (sigma_zz - sigma_xx)/2 and so on; the law knows no shear strain and no rotation.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.models.evolution import loading_sense, relax
-from anisogran.outcome import InputError
-
-_COMPLEX_STEP = 1e-30  # far below rounding, so that the derivative is exact
-
-
-class ScalarState(NamedTuple):
-    """Stress and structure of a point; stresses and A share the unit of the moduli, any one shape."""
-
-    sigma_V: np.ndarray
-    sigma_D: np.ndarray
-    A: np.ndarray
+from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, substeps
+from anisogran.outcome import InputError, checked
 
 
 class ScalarParameters(NamedTuple):
@@ -36,58 +28,95 @@ class ScalarParameters(NamedTuple):
     beta_F: float
 
 
+STRESS_IS_STATE = True
+INTERNAL = ("A", None)  # A > 0 is stiffer along z, the axis that a positive eps_D compresses
+
+
+def checked_parameters(E, B, s_max, A_max, beta_F):
+    """The `ScalarParameters`; InputError unless E, B > 0, 0 <= s_max < 1, beta_F >= 0."""
+    where = "scalar law"
+    return ScalarParameters(
+        checked(where, "E", E, above=0.0),
+        checked(where, "B", B, above=0.0),
+        checked(where, "s_max", s_max, at_least=0.0, below=1.0),
+        checked(where, "A_max", A_max),
+        checked(where, "beta_F", beta_F, at_least=0.0),
+    )
+
+
 def softening(s_D, s_max, sense=1.0):
-    """S = 1 - sense s_D/s_max, not below 0; up to 2 after a reversal. A material with s_max = 0 bears no shear: S = 0."""
+    """S = 1 - sense s_D/s_max, up to 2 after a reversal, negative above s_max; 0 for a material with s_max = 0, which bears no shear."""
     strong = np.asarray(s_max) != 0.0
-    S = np.where(strong, 1.0 - sense * s_D / np.where(strong, s_max, 1.0), 0.0)
-    return np.where(np.real(S) < 0.0, 0.0, S)
+    return np.where(strong, 1.0 - sense * s_D / np.where(strong, s_max, 1.0), 0.0)[()]
 
 
-def _phi_2(z):
-    """(exp(z) - 1 - z)/z^2, by its series where the closed form would cancel."""
-    small = np.abs(z) < 0.1
-    series = 1.0
-    for n in range(11, 2, -1):  # 1/2 (1 + z/3 (1 + z/4 (...))); the first term left out is 0.1^10/12!
-        series = 1.0 + np.where(small, z, 0.0) * series / n
-    large = np.where(small, 1.0, z)
-    return np.where(small, 0.5 * series, (np.expm1(large) - large) / large**2)
+def rate(p, point, increment):
+    """The change of the state for an increment, evaluated at `point`."""
+    eps_D, sigma_D = -increment.eps_1, -point.sigma_1
+    sense = -1.0 if eps_D.real < 0.0 else 1.0
+    softened = 0.0 * eps_D if p.s_max == 0.0 else eps_D - sense * eps_D * sigma_D / (point.sigma_V * p.s_max)
+    return Point(
+        p.E * increment.eps_V + point.x * softened,
+        -(point.x * increment.eps_V + p.B * softened),
+        0.0 * eps_D,
+        p.beta_F * sense * eps_D * (p.A_max * sense - point.x),
+        0.0 * eps_D,
+    )
 
 
-def _advance(state, d_eps_V, d_eps_D, p):
-    """The state after one exponential Rosenbrock-Euler step with A at mid-step.
+def midpoint(p, point, increment):
+    """(state, outcome) after an increment: implicit midpoint for the stress, A exact; sub-steps where s_D would relax in one.
 
-    Second order, and stable for large steps: only S depends on the stress, so the Jacobian has rank one and its exponential is
-    that of the number `rate`.
+    With A at mid-step known, the ratio r at mid-step solves a quadratic equation, whose root is taken where nothing cancels.
     """
-    sigma_V, sigma_D, A_old = state
-    sense = loading_sense(d_eps_D)
-    A = relax(A_old, p.A_max, p.beta_F, 0.5 * d_eps_D)
-    s = sigma_D / sigma_V
-    S = softening(s, p.s_max, sense)
-    # at S = 0 the material flows, and S does not change with the stress
-    steepness = np.where(np.real(S) > 0.0, sense / np.where(np.real(S) > 0.0, p.s_max, 1.0), 0.0) / sigma_V
-    f_V = p.E * d_eps_V + S * A * d_eps_D
-    f_D = A * d_eps_V + S * p.B * d_eps_D
-    rate = steepness * d_eps_D * (A * s - p.B)
-    correction = d_eps_D * steepness * (s * f_V - f_D) * _phi_2(rate)
-    return ScalarState(sigma_V + f_V + A * correction, sigma_D + f_D + p.B * correction, relax(A_old, p.A_max, p.beta_F, d_eps_D))
+    eps_D = -increment.eps_1
+    sense = -1.0 if eps_D.real < 0.0 else 1.0
+    strong = p.s_max != 0.0
+    length = sense * eps_D
+    parts = substeps(length.real * p.B / (point.sigma_V.real * p.s_max) if strong else 0.0, 0.0)
+    if parts > MOST_SUBSTEPS:
+        return point, RESOLUTION
+    h = 1.0 / parts
+    eps_D, eps_V, length = h * eps_D, h * increment.eps_V, h * length
+    sigma_V, sigma_D, A = point.sigma_V, -point.sigma_1, point.x
+    half, whole = np.exp(-0.5 * p.beta_F * length), np.exp(-p.beta_F * length)
+    for _ in range(parts):
+        A_mid = half * A + (1.0 - half) * sense * p.A_max
+        fixed_V, fixed_D = p.E * eps_V, A_mid * eps_V
+        soft = 0.0 * eps_D
+        if strong:
+            # r (sigma_V at mid-step) = sigma_D at mid-step, with eps_D - length r/s_max as the softened strain
+            k = 0.5 * length / p.s_max
+            P = sigma_V + 0.5 * (fixed_V + A_mid * eps_D)
+            T = sigma_D + 0.5 * (fixed_D + p.B * eps_D)
+            b = P + k * p.B
+            root = b * b - 4.0 * k * A_mid * T
+            if b.real <= 0.0 or root.real < 0.0:
+                return point, TENSION
+            soft = eps_D - length / p.s_max * (2.0 * T / (b + np.sqrt(root)))
+        sigma_V = sigma_V + fixed_V + A_mid * soft
+        sigma_D = sigma_D + fixed_D + p.B * soft
+        A = whole * A + (1.0 - whole) * sense * p.A_max
+        if not sigma_V.real > 0.0:
+            return point, TENSION
+    return Point(sigma_V, -sigma_D, point.sigma_2, A, point.y), OK
 
 
-def scalar_step(state, increment, parameters):
-    """(new state, stress, tangent) for a strain increment (d_eps_V, d_eps_D), each a number or an array of one shape (...).
+def trouble(p, point):
+    """The outcome that a state stands for by itself."""
+    if not point.sigma_V.real > 0.0:
+        return TENSION
+    return INDEFINITE if point.x.real**2 >= p.E * p.B else OK
 
-    stress has shape (2, ...): sigma_V, sigma_D. tangent has shape (2, 2, ...): d stress_i/d increment_j, exact for this
-    integrator (complex step); where d_eps_D = 0 it is that of loading. Second order in the increment. Overshoot of s_max that
-    the integrator may leave is of its order; S is then 0 for further loading.
-    Raises InputError where sigma_V <= 0 (the law holds under compression only), or for s_max < 0 or beta_F < 0.
-    """
-    if np.any(np.real(state.sigma_V) <= 0.0):
-        raise InputError(f"scalar law: sigma_V = {np.min(np.real(state.sigma_V)):g} must be above 0 (no tension)")
-    if np.any(np.real(parameters.s_max) < 0.0):
-        raise InputError(f"scalar law: s_max = {np.min(np.real(parameters.s_max)):g} must be at least 0")
-    d_eps_V, d_eps_D = np.broadcast_arrays(*increment)
-    step = 1j * _COMPLEX_STEP
-    trial = _advance(state, np.array([d_eps_V + step, d_eps_V]), np.array([d_eps_D, d_eps_D + step]), parameters)
-    new = ScalarState(*(np.real(value[0]) for value in trial))
-    tangent = np.array([np.imag(trial.sigma_V), np.imag(trial.sigma_D)]) / _COMPLEX_STEP
-    return new, np.array([new.sigma_V, new.sigma_D]), tangent
+
+def check_start(p, point):
+    """Raises InputError if a path cannot start from this state."""
+    checked("scalar law: start", "sigma_V", point.sigma_V, above=0.0)
+    limit = (p.E * p.B) ** 0.5
+    if abs(point.x) >= limit:
+        raise InputError(f"scalar law: start |A| = {abs(point.x):g} must be below sqrt(E B) = {limit:g}: not positive definite")
+
+
+def stressed(p, point, increment):
+    """The state with its stress; here the stress is part of the state."""
+    return point

@@ -5,13 +5,13 @@ periodic, `lattice`, `settle` (what is done before a new neighbour list) and `st
 A new boundary is one new file and one line in each table.
 """
 
+from anisogran.compiled import specialised
 from anisogran.dem.boundaries import box, open, periodic, ring
 from anisogran.dem.boundaries.box import Box
 from anisogran.dem.boundaries.motion import Cosine, Fixed, Path, Pressure
 from anisogran.dem.boundaries.open import Open
 from anisogran.dem.boundaries.periodic import Periodic
 from anisogran.dem.boundaries.ring import Ring
-from anisogran.dem.specialisation import specialised
 
 _ROOMS = {open.OpenState: open, box.BoxState: box, ring.RingState: ring, periodic.PeriodicState: periodic}
 

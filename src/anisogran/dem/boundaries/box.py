@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anisogran.compiled import kernel
+from anisogran.compiled import kernel, specialised
 from anisogran.dem.boundaries.driven import coast
 from anisogran.dem.boundaries.motion import Fixed, move
-from anisogran.dem.specialisation import specialised
 from anisogran.outcome import InputError, checked
 
 NAMES = ("left", "right", "bottom", "top")

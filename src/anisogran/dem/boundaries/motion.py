@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.dem.specialisation import specialised
+from anisogran.compiled import specialised
 from anisogran.outcome import InputError, checked
 
 

@@ -3,11 +3,11 @@
 A new normal law is one new file and one line in NORMAL_LAWS and in each table of functions.
 """
 
+from anisogran.compiled import specialised
 from anisogran.dem.laws import friction, linear, luding
 from anisogran.dem.laws.friction import Friction
 from anisogran.dem.laws.linear import Linear
 from anisogran.dem.laws.luding import Luding
-from anisogran.dem.specialisation import specialised
 
 NORMAL_LAWS = {Linear: linear, Luding: luding}
 
