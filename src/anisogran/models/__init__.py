@@ -6,11 +6,15 @@ from anisogran.models.controls import biaxial, cyclic, isotropic_compression, pu
 from anisogran.models.critical_state import CriticalFlow, critical_flow
 from anisogran.models.element import ElementTest, element_test
 from anisogran.models.evolution import relax, relax_tensor
+from anisogran.models.ill_posedness import ill_posed, neutral_inertial_numbers, well_posed_ranges, well_posedness
+from anisogran.models.inertial_flow import I_of_area_fraction, area_fraction_of_I, inertial_number, viscosity
 from anisogran.models.integrators import INTEGRATORS, Explicit, Midpoint, RungeKutta45
 from anisogran.models.laws import LAWS, law_parameters
+from anisogran.models.local_fluidity import cooperativity_length, g_local
 from anisogran.models.mohr_coulomb import YieldLine, macro_cohesion, mobilised_angle, mohr_coulomb_line, peak_stress
-from anisogran.models.mu_of_i import ill_posed, mu_linear, mu_of_I, mu_regularised, neutral_inertial_numbers, well_posedness
-from anisogran.models.scalar import softening
+from anisogran.models.mu_of_i import I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
+from anisogran.models.regularisation import mu_regularised
+from anisogran.models.scalar import ScalarParameters, softening
 from anisogran.models.update import PointState, Updated, updated
 
 __all__ = [
@@ -19,18 +23,26 @@ __all__ = [
     "CriticalFlow",
     "ElementTest",
     "Explicit",
+    "I_linear",
+    "I_of_area_fraction",
+    "I_of_mu",
     "Midpoint",
     "NetworkModuli",
     "PointState",
     "RungeKutta45",
+    "ScalarParameters",
     "Updated",
     "YieldLine",
+    "area_fraction_of_I",
     "biaxial",
+    "cooperativity_length",
     "critical_flow",
     "cyclic",
     "directional_stiffness",
     "element_test",
+    "g_local",
     "ill_posed",
+    "inertial_number",
     "isotropic_compression",
     "law_parameters",
     "macro_cohesion",
@@ -50,5 +62,8 @@ __all__ = [
     "stiffness",
     "stress_increment",
     "updated",
+    "viscosity",
+    "well_posed_ranges",
     "well_posedness",
+    "within_linear_range",
 ]
