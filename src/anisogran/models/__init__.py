@@ -11,7 +11,18 @@ from anisogran.models.inertial_flow import I_of_area_fraction, area_fraction_of_
 from anisogran.models.integrators import INTEGRATORS, Explicit, Midpoint, RungeKutta45
 from anisogran.models.laws import LAWS, law_parameters
 from anisogran.models.local_fluidity import cooperativity_length, g_local
-from anisogran.models.mohr_coulomb import YieldLine, macro_cohesion, mobilised_angle, mohr_coulomb_line, peak_stress
+from anisogran.models.mohr_coulomb import (
+    FailureLines,
+    StressCircles,
+    YieldLine,
+    failure_lines,
+    macro_cohesion,
+    mobilised_angle,
+    mohr_coulomb_line,
+    peak_stress,
+    stress_circles,
+    total_friction_line,
+)
 from anisogran.models.mu_of_i import I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
 from anisogran.models.regularisation import mu_regularised
 from anisogran.models.scalar import ScalarParameters, softening
@@ -23,6 +34,7 @@ __all__ = [
     "CriticalFlow",
     "ElementTest",
     "Explicit",
+    "FailureLines",
     "I_linear",
     "I_of_area_fraction",
     "I_of_mu",
@@ -31,6 +43,7 @@ __all__ = [
     "PointState",
     "RungeKutta45",
     "ScalarParameters",
+    "StressCircles",
     "Updated",
     "YieldLine",
     "area_fraction_of_I",
@@ -40,6 +53,7 @@ __all__ = [
     "cyclic",
     "directional_stiffness",
     "element_test",
+    "failure_lines",
     "g_local",
     "ill_posed",
     "inertial_number",
@@ -60,7 +74,9 @@ __all__ = [
     "simple_shear",
     "softening",
     "stiffness",
+    "stress_circles",
     "stress_increment",
+    "total_friction_line",
     "updated",
     "viscosity",
     "well_posed_ranges",
