@@ -1,7 +1,7 @@
 """Constitutive laws at a point, one per file: stateless functions of arrays, tensors t[i, j, ...] with the batch behind."""
 
 from anisogran.models.anisotropic import directional_stiffness, stiffness, stress_increment
-from anisogran.models.contact_moduli import NetworkModuli, network_moduli
+from anisogran.models.contact_moduli import Network, NetworkModuli, fabric_moduli, fabric_of_moduli, network_moduli, network_of_moduli
 from anisogran.models.controls import biaxial, cyclic, isotropic_compression, pure_shear, simple_shear
 from anisogran.models.critical_state import CriticalFlow, critical_flow
 from anisogran.models.element import ElementTest, element_test
@@ -39,6 +39,7 @@ __all__ = [
     "I_of_area_fraction",
     "I_of_mu",
     "Midpoint",
+    "Network",
     "NetworkModuli",
     "PointState",
     "RungeKutta45",
@@ -53,6 +54,8 @@ __all__ = [
     "cyclic",
     "directional_stiffness",
     "element_test",
+    "fabric_moduli",
+    "fabric_of_moduli",
     "failure_lines",
     "g_local",
     "ill_posed",
@@ -66,6 +69,7 @@ __all__ = [
     "mu_of_I",
     "mu_regularised",
     "network_moduli",
+    "network_of_moduli",
     "neutral_inertial_numbers",
     "peak_stress",
     "pure_shear",
