@@ -3,7 +3,7 @@
 from anisogran.models.anisotropic import directional_stiffness, stiffness, stress_increment
 from anisogran.models.contact_moduli import Network, NetworkModuli, fabric_moduli, fabric_of_moduli, network_moduli, network_of_moduli
 from anisogran.models.controls import biaxial, cyclic, isotropic_compression, pure_shear, simple_shear
-from anisogran.models.critical_state import CriticalFlow, critical_flow
+from anisogran.models.critical_state import CriticalFlow, critical_flow, distance_from_flow
 from anisogran.models.element import ElementTest, element_test
 from anisogran.models.evolution import relax, relax_tensor
 from anisogran.models.ill_posedness import ill_posed, neutral_inertial_numbers, well_posed_ranges, well_posedness
@@ -53,6 +53,7 @@ __all__ = [
     "critical_flow",
     "cyclic",
     "directional_stiffness",
+    "distance_from_flow",
     "element_test",
     "fabric_moduli",
     "fabric_of_moduli",
