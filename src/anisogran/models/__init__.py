@@ -26,6 +26,14 @@ from anisogran.models.mohr_coulomb import (
 from anisogran.models.mu_of_i import I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
 from anisogran.models.regularisation import mu_regularised
 from anisogran.models.scalar import ScalarParameters, softening
+from anisogran.models.simple_shear import (
+    FiniteShear,
+    ShearIncrement,
+    displacement_gradient,
+    finite_shear,
+    in_axes_at_45_degrees,
+    shear_increment,
+)
 from anisogran.models.update import PointState, Updated, updated
 
 __all__ = [
@@ -35,6 +43,7 @@ __all__ = [
     "ElementTest",
     "Explicit",
     "FailureLines",
+    "FiniteShear",
     "I_linear",
     "I_of_area_fraction",
     "I_of_mu",
@@ -44,6 +53,7 @@ __all__ = [
     "PointState",
     "RungeKutta45",
     "ScalarParameters",
+    "ShearIncrement",
     "StressCircles",
     "Updated",
     "YieldLine",
@@ -53,13 +63,16 @@ __all__ = [
     "critical_flow",
     "cyclic",
     "directional_stiffness",
+    "displacement_gradient",
     "distance_from_flow",
     "element_test",
     "fabric_moduli",
     "fabric_of_moduli",
     "failure_lines",
+    "finite_shear",
     "g_local",
     "ill_posed",
+    "in_axes_at_45_degrees",
     "inertial_number",
     "isotropic_compression",
     "law_parameters",
@@ -76,6 +89,7 @@ __all__ = [
     "pure_shear",
     "relax",
     "relax_tensor",
+    "shear_increment",
     "simple_shear",
     "softening",
     "stiffness",
