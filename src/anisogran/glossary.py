@@ -28,7 +28,7 @@ class Quantity(NamedTuple):
 # in space a stress is a force per area, a density a mass per volume, and so on
 IN_SPACE = {
     "N/m": "N/m2", "N": "N/m", "N/m2": "N/m3", "kg/m2": "kg/m3", "kg/m3": "kg/m4", "kg/(m s)": "kg/(m2 s)", "kg/(m2 s)": "kg/(m3 s)",
-    "1/m2": "1/m3", "m2": "m3",
+    "1/m2": "1/m3", "m2": "m3", "N s/m": "N s/m2",
 }  # fmt: skip
 
 
@@ -62,6 +62,11 @@ GLOSSARY = {
     "stress_divergence": Quantity(r"\nabla\cdot\sigma", "N/m2", "sum_j d sigma_ij / d x_j of the contact stress, compression positive"),
     "wall_force_density": Quantity("t", "N/m2", "force of walls on grains per area, spread about the contact points by the kernel"),
     "s_D": Quantity("s_D", "1", "deviatoric stress ratio sigma_D/sigma_V = sin(mobilised friction angle)"),
+    "normal_stress": Quantity(r"\sigma", "N/m", "normal stress on a plane, compression positive"),
+    "shear_stress": Quantity(r"\tau", "N/m", "shear stress on a plane"),
+    "friction_angle": Quantity(r"\phi", "rad", "internal friction angle, the slope of the common tangent of stress circles"),
+    "mobilised_angle": Quantity(r"\phi_m", "rad", "total (mobilised, secant) friction angle arcsin(s_D), of a line through the origin"),
+    "cohesion": Quantity("c", "N/m", "macroscopic cohesion, the shear stress of the yield line at no normal stress"),
     "stress_ratio": Quantity(r"\mu", "1", "shear stress over pressure"),
     "wall_shear_stress": Quantity(r"\tau_i", "N/m", "shear stress that the inner ring exerts, from its torque"),
     "wall_pressure": Quantity("p_i", "N/m", "normal pressure on the inner ring, from the forces on its discs"),
@@ -151,6 +156,9 @@ GLOSSARY = {
     "curvature": Quantity(r"\kappa", "1/(m s)", "gradient of the spin, d spin / d x_j"),
     "eigen_rotation": Quantity(r"\omega^*", "1/s", "spin of the grains less the spin of the mean flow"),
     "inertial_number": Quantity("I", "1", "shear_rate sqrt(mean grain mass / pressure)"),
+    "viscosity": Quantity(r"\eta", "N s/m", "stress deviator |tau| over shear rate"),
+    "well_posedness": Quantity("C", "1", "C(I) of a friction law mu(I): flow is ill posed where it is positive"),
+    "cooperativity_length": Quantity(r"\xi", "m", "length over which grains act on the fluidity of others"),
     "fluidity": Quantity("g", "1/s", "granular fluidity: shear rate over stress ratio"),
 }
 

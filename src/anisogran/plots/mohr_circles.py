@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from anisogran.glossary import label
 from anisogran.models import mohr_coulomb_line, stress_circles
 from anisogran.outcome import InputError
 from anisogran.plots.style import SERIES, figure
@@ -33,10 +34,10 @@ def mohr_circles_figure(tests, lines=None, title=""):
             axes.plot(*line.touching_points(circle), "o", color=colour, ms=4)
     axes.axhline(0.0, color="0.75", lw=0.8, zorder=0)
     axes.axvline(0.0, color="0.75", lw=0.8, zorder=0)
-    axes.set(xlabel="normal stress [N/m], compression positive", ylabel="shear stress [N/m]", title=title, aspect="equal")
+    axes.set(xlabel=f"normal stress {label('normal_stress')}", ylabel=f"shear stress {label('shear_stress')}", title=title, aspect="equal")
     axes.set_ylim(0.0, None)
     if lines:
-        axes.legend(fontsize=8, frameon=False, loc="upper left")
+        axes.legend(fontsize=8, edgecolor="none", framealpha=1.0, loc="upper left")  # hides the axis behind it
     return fig
 
 
