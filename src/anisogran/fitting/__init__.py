@@ -8,12 +8,4 @@ from anisogran.fitting.inertial_friction import mu_of_I
 from anisogran.fitting.result import FitResult
 from anisogran.fitting.yield_line import mohr_coulomb
 
-__all__ = [
-    "FitResult",
-    "Verdict",
-    "exponential_decay",
-    "mohr_coulomb",
-    "mu_of_I",
-    "relaxation",
-    "shear_band",
-]
+__all__ = ["FitResult", "Verdict", "exponential_decay", "mohr_coulomb", "mu_of_I", "relaxation", "shear_band"]

@@ -26,7 +26,7 @@ from anisogran.models.mohr_coulomb import (
 from anisogran.models.mu_of_i import I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
 from anisogran.models.regularisation import mu_regularised
 from anisogran.models.scalar import ScalarParameters, softening
-from anisogran.models.simple_shear import (
+from anisogran.models.shear_kinematics import (
     FiniteShear,
     ShearIncrement,
     displacement_gradient,
