@@ -46,6 +46,7 @@ GLOSSARY = {
     "eps_xx": Quantity(r"\epsilon_{xx}", "1", "horizontal strain ln(x0/x), compression positive"),
     "eps_V": Quantity(r"\epsilon_V", "1", "volumetric strain (eps_zz + eps_xx)/2, half of the trace; negative is dilation"),
     "eps_D": Quantity(r"\epsilon_D", "1", "deviatoric strain (eps_zz - eps_xx)/2"),
+    "eps_xz": Quantity(r"\epsilon_{xz}", "1", "shear strain, half of the engineering one, compression positive"),
     "strain": Quantity(r"\gamma", "1", "shear strain of the cell, rate times time"),
     # stress
     "stress": Quantity(r"\sigma", "N/m", "stress, compression positive, contact and fluctuation part, momentum flux [force, branch]"),
@@ -53,6 +54,8 @@ GLOSSARY = {
     "stress_dynamic": Quantity(r"\sigma^d", "N/m", "stress of the velocity fluctuations relative to the local linear mean field"),
     "sigma_xx": Quantity(r"\sigma_{xx}", "N/m", "horizontal stress, compression positive"),
     "sigma_zz": Quantity(r"\sigma_{zz}", "N/m", "vertical stress, compression positive"),
+    "sigma_xz": Quantity(r"\sigma_{xz}", "N/m", "shear stress in the axes x and z, compression positive"),
+    "sigma_V": Quantity(r"\sigma_V", "N/m", "mean stress (sigma_xx + sigma_zz)/2, the pressure"),
     "sigma_yy": Quantity(r"\sigma_{yy}", "N/m", "stress along the velocity gradient, compression positive"),
     "sigma_xx_wall": Quantity(r"\sigma_{xx}^w", "N/m", "horizontal stress from the force on the side wall over its height"),
     "sigma_zz_wall": Quantity(r"\sigma_{zz}^w", "N/m", "vertical stress from the force on the top wall over its width"),
@@ -139,6 +142,13 @@ GLOSSARY = {
     "chain_share": Quantity("s_g", "1", "share of the grains that are in force chains"),
     "mean_axis": Quantity(r"\langle\theta_c\rangle", "rad", "mean direction of all links of force chains", math.pi),
     "alignment": Quantity(r"|\langle e^{2i\theta}\rangle|", "1", "alignment of the links of force chains, 1 if all are parallel"),
+    # internal variables of the laws at a point
+    "A": Quantity("A", "N/m", "anisotropy modulus, positive if stiffer along z"),
+    "A_1": Quantity("A_1", "N/m", "anisotropy modulus A cos(2 phi_C), phi_C the stiff axis from x"),
+    "A_2": Quantity("A_2", "N/m", "anisotropy modulus A sin(2 phi_C), phi_C the stiff axis from x"),
+    "kappa": Quantity(r"\kappa_p", "1", "plastic deviatoric strain"),
+    "rotation": Quantity(r"\theta", "rad", "rotation of the material, counter-clockwise"),
+    "work": Quantity("w", "N/m", "work done on the sample per area"),
     # motion
     "velocity": Quantity("v", "m/s", "velocity; of averages, that of the local linear mean field"),
     "velocity_density": Quantity(r"\nu v", "m/s", "area fraction times velocity, (1/V) sum w V^p v"),

@@ -4,7 +4,7 @@ import numpy as np
 
 from anisogran.compiled import kernel, subkernel
 from anisogran.models.integrators import advanced, tangent_at
-from anisogran.models.point import NOT_FINITE, OK, Increment, Point
+from anisogran.models.point import NOT_FINITE, OK, RESOLUTION, Increment, Point
 
 NOT_REACHABLE, LOST_CONTROL = 100, 101
 MOST_ITERATIONS, MOST_HALVINGS = 10, 30
@@ -48,21 +48,22 @@ def _guessed(goal, strain, last, of_strain, of_stress, guess, work):
 
 
 @subkernel
-def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, time, tolerance, sign, work):
+def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, time, tolerance, sign, going_on, work):
     """(state, outcome) of the increment that meets the three goals, left in `guess` (3,), which holds the first guess."""
     J, b, x, tangent = work
-    code, polished = OK, False
+    code, met, polished = OK, OK, False
     for iteration in range(MOST_ITERATIONS + 2):
         new, code = tangent_at(method, p, point, Increment(guess[0], guess[1], guess[2], spin, time), tangent)
         for _ in range(MOST_HALVINGS):
             if code == OK or iteration == 0:
                 break
+            met = code
             for j in range(3):  # too far, into a state that the law does not know
                 x[j] *= 0.5
                 guess[j] -= x[j]
             new, code = tangent_at(method, p, point, Increment(guess[0], guess[1], guess[2], spin, time), tangent)
         if code != OK:
-            return new, code
+            return new, NOT_REACHABLE if code == RESOLUTION and iteration > 0 else code  # endless strains: no solution is near
         worst = 0.0
         for i in range(3):
             b[i] = goal[i] - (of_stress[i, 0] * new.sigma_V + of_stress[i, 1] * new.sigma_1 + of_stress[i, 2] * new.sigma_2)
@@ -78,6 +79,8 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
         if not np.isfinite(worst):
             return new, NOT_FINITE
         determinant = _solved(J, b, x)
+        if iteration == 0 and going_on and determinant * sign <= 0.0:
+            return new, LOST_CONTROL  # another branch may be found, but the sample would jump to it
         if polished:
             return new, OK if determinant * sign > 0.0 else LOST_CONTROL
         polished = worst <= 1.0  # one more round then reaches rounding, and small drifts of a stress do not add up
@@ -87,7 +90,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
             return new, LOST_CONTROL
         for j in range(3):
             guess[j] += x[j]
-    return new, NOT_REACHABLE
+    return new, NOT_REACHABLE if met in (OK, RESOLUTION) else met  # what stood in the way
 
 
 @kernel
@@ -99,23 +102,32 @@ def drive(method, p, start, goals, of_strain, of_stress, spins, times, tolerance
     """
     point = Point(start[0], start[1], start[2], start[3], start[4])
     work = (np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)))
-    strain, last, guess = np.zeros(3), np.zeros(3), np.empty(3)
+    strain, last, guess, before = np.zeros(3), np.zeros(3), np.empty(3), goals[0].copy()
     by_strain = not np.any(of_stress)
     for n in range(goals.shape[0]):
-        new, code = point, NOT_REACHABLE
+        new, code, first = point, NOT_REACHABLE, OK
+        on = n > 0
+        for i in range(3):
+            on = on and (goals[n, i] - goals[n - 1, i]) * (goals[n - 1, i] - before[i]) >= 0.0
         if by_strain:
             _guessed(goals[n], strain, last, of_strain, of_stress, guess, work)
             new, code = advanced(method, p, point, Increment(guess[0], guess[1], guess[2], spins[n], times[n]))
         else:
-            for factor in (1.0, -1.0, 0.0):  # on as in the last step; turned round; or none
+            for factor in (1.0, 0.0, -1.0) if on else (-1.0, 0.0, 1.0):  # as in the last step; none; turned round
                 sign = _guessed(goals[n], strain, factor * last, of_strain, of_stress, guess, work)
+                going_on = on and factor == 1.0
                 new, code = _step(
-                    method, p, point, strain, goals[n], of_strain, of_stress, guess, spins[n], times[n], tolerance, sign, work
+                    method, p, point, strain, goals[n], of_strain, of_stress, guess, spins[n], times[n], tolerance, sign, going_on, work
                 )  # fmt: skip
                 if code == OK:
                     break
+                first = first if first != OK else code  # the guesses after that are made to get round a corner, not to explain
+                if code == LOST_CONTROL:
+                    break
         if code != OK:
-            return n, code
+            return n, first if first != OK else code
+        if n > 0:
+            before[:] = goals[n - 1]
         last[:] = guess
         strain += guess
         point = new

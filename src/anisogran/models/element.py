@@ -6,6 +6,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
+from anisogran.glossary import attributes
 from anisogran.models.controls import ROWS, planned
 from anisogran.models.driver import LOST_CONTROL, MOST_ITERATIONS, NOT_REACHABLE, drive
 from anisogran.models.laws import LAWS, law_parameters
@@ -19,7 +20,7 @@ _REASONS = {
     **MEANING,
     NOT_REACHABLE: f"the prescribed stress is not reachable (no solution in {MOST_ITERATIONS} Newton iterations); "
     "if it should be, try smaller steps",
-    LOST_CONTROL: "the sample gives way: its tangent is no longer positive definite in the directions of the prescribed stress",
+    LOST_CONTROL: "the prescribed stress is not reachable, the sample gives way: its tangent is no longer positive definite in the directions of the prescribed stress",
 }
 
 
@@ -78,14 +79,34 @@ class ElementTest:
         return 0.5 * (self.stress[0, 0] + self.stress[1, 1])
 
     @property
+    def sigma_D(self):
+        """(sigma_zz - sigma_xx)/2, signed as eps_D; in the axes of the box only, see `stress_ratio`."""
+        return 0.5 * (self.stress[1, 1] - self.stress[0, 0])
+
+    @property
     def s_D(self):
-        """(sigma_zz - sigma_xx)/(sigma_zz + sigma_xx), signed as eps_D; in the axes of the box only, see `stress_ratio`."""
-        return (self.stress[1, 1] - self.stress[0, 0]) / (self.stress[1, 1] + self.stress[0, 0])
+        """sigma_D/sigma_V, signed as eps_D; NaN where there is no stress."""
+        return _ratio(self.sigma_D, self.sigma_V)
 
     @property
     def stress_ratio(self):
-        """sigma_D/sigma_V = sin(mobilised friction angle) >= 0, for any axes."""
-        return np.hypot(0.5 * (self.stress[0, 0] - self.stress[1, 1]), self.stress[0, 1]) / self.sigma_V
+        """Size of the stress deviator over sigma_V, sin(mobilised friction angle) >= 0, for any axes; NaN where there is no stress."""
+        return _ratio(np.hypot(self.sigma_D, self.stress[0, 1]), self.sigma_V)
+
+    def dataset(self):
+        """The curves as an xarray.Dataset over `step`, with units."""
+        import xarray  # here, since fits drive many element tests and never ask for it
+
+        names = ("eps_xx", "eps_zz", "eps_V", "eps_D", "sigma_xx", "sigma_zz", "sigma_V", "s_D", "stress_ratio", "time", "work")
+        columns = {name: getattr(self, name) for name in names}
+        columns |= {"eps_xz": self.strain[0, 1], "sigma_xz": self.stress[0, 1], "rotation": self.spin, **self.internal}
+        variables = {name: ("step", values, attributes(name)) for name, values in columns.items()}
+        facts = {"law": self.law, "status": str(self.status), **{f"parameter_{key}": value for key, value in self.parameters.items()}}
+        return xarray.Dataset(variables, attrs={key: value for key, value in facts.items() if value is not None})
+
+
+def _ratio(part, whole):
+    return np.divide(part, whole, out=np.full(np.shape(part), np.nan), where=whole != 0.0)
 
 
 def element_test(law, parameters, control, start=None, steps=None, integrator="midpoint"):

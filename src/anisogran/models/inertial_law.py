@@ -28,6 +28,15 @@ class InertialParameters(NamedTuple):
     grain_mass: float
 
 
+KEYS = {  # unit, meaning, example
+    "mu_s": ("1", "friction at rest, 0 <= mu_s < 1", 0.28),
+    "phi_max": ("1", "area fraction at rest, between 0 and 1", 0.82),
+    "slope": ("1", "phi = phi_max - slope I, above 0", 0.3),
+    "grain_mass": ("kg", "mean mass of a grain, above 0", 1e-5),
+    "b": ("1", "mu grows by b I, at least 0", 1.1),
+    "mu_d": ("1", "friction of fast flow, from mu_s to 1; default mu_s", 0.28),
+    "I0": ("1", "inertial number of the change from mu_s to mu_d, above 0", 1.0),
+}
 STRESS_IS_STATE = False  # it follows from area fraction and rate
 INTERNAL = ("area_fraction", None)
 

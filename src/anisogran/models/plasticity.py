@@ -33,6 +33,16 @@ class PlasticParameters(NamedTuple):
     beta: float
 
 
+KEYS = {  # unit, meaning, example
+    "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
+    "G": ("N/m", "shear modulus, 2G is d sigma_D/d eps_D, above 0", 5e3),
+    "phi": ("rad", "peak friction angle, 0 <= phi < pi/2", 0.45),
+    "c": ("N/m", "peak cohesion, at least 0", 0.0),
+    "phi_residual": ("rad", "residual friction angle, at most phi; default phi", 0.35),
+    "c_residual": ("N/m", "residual cohesion, at most c; default c", 0.0),
+    "psi": ("rad", "angle of dilatancy, at most phi_residual", 0.05),
+    "beta": ("1", "rate of the fall of the strength with the plastic deviatoric strain, at least 0", 30.0),
+}
 STRESS_IS_STATE = True
 INTERNAL = ("kappa", None)
 

@@ -28,6 +28,13 @@ class ScalarParameters(NamedTuple):
     beta_F: float
 
 
+KEYS = {  # unit, meaning, example
+    "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
+    "B": ("N/m", "d sigma_D/d eps_D of the isotropic sample, above 0", 1e4),
+    "s_max": ("1", "largest stress ratio, sin(friction angle), 0 <= s_max < 1", 0.3),
+    "A_max": ("N/m", "anisotropy modulus A in the end, below sqrt(E B)", 4e3),
+    "beta_F": ("1", "rate of the anisotropy with eps_D (half/half), at least 0", 50.0),
+}
 STRESS_IS_STATE = True
 INTERNAL = ("A", None)  # A > 0 is stiffer along z, the axis that a positive eps_D compresses
 

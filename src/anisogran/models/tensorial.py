@@ -8,10 +8,11 @@ Deviators are vectors: d eps the strain, t the stress, a = A (cos, sin)(2 phi_C)
 with the material (Jaumann). X = (B - 2G)/A_max^2. For a fixed a of size A_max this is the law of `anisotropic` with moduli E, A, B, G
 (Luding's lecture, "Constitutive model - tensorial", is its special case 2G = E - B) and the softening on every deviatoric term; for
 coaxial loading and B = 2G it is the scalar law. d eps* vanishes, and the stress stays, once t is s_max sigma_V along d eps: the critical
-state, isochoric, whatever the moduli are. Without anisotropy the response is isotropic, 2G in every direction: a network of contacts
-has B - 2G from the fourth Fourier coefficient of its directions, which dies with the square of the second, so B is reached only at
-|a| = A_max, and the axis of a vanishing anisotropy has no say. Written here after the lecture and Luding & Perdahcioglu, CIT 83, 672
-(2011) (its softening recalled, not checked against the paper). Compression positive, half/half.
+state, isochoric, whatever the moduli are (in simple shear the material turns while it is sheared, t and a lag behind the strain by
+different angles of order 1/beta, and a volume rate of that order squared is left). Without anisotropy the response is isotropic, 2G in
+every direction: a network of contacts has B - 2G from the fourth Fourier coefficient of its directions, which here dies with the square
+of the second, so B is reached only at |a| = A_max, and the axis of a vanishing anisotropy has no say. Written here after the lecture and
+Luding & Perdahcioglu, CIT 83, 672 (2011) (its softening recalled, not checked against the paper). Compression positive, half/half.
 """
 
 from typing import NamedTuple
@@ -33,6 +34,14 @@ class TensorialParameters(NamedTuple):
     beta_F: float
 
 
+KEYS = {  # unit, meaning, example
+    "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
+    "B": ("N/m", "coaxial shear modulus d sigma_D/d eps_D at |A| = A_max, above 0", 1.2e4),
+    "G": ("N/m", "shear modulus, 2G is d sigma_D/d eps_D across the axes; leave it out for the lecture's 2G = E - B", 5e3),
+    "s_max": ("1", "largest stress ratio, sin(friction angle), 0 <= s_max < 1", 0.3),
+    "A_max": ("N/m", "anisotropy modulus A in the end, below sqrt(E B)", 4e3),
+    "beta_F": ("1", "rate of the anisotropy with eps_D (half/half), at least 0", 50.0),
+}
 STRESS_IS_STATE = True
 INTERNAL = ("A_1", "A_2")  # A (cos, sin)(2 phi_C)
 

@@ -3,6 +3,7 @@
 from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
 from anisogran.plots.costs import cost_figure
 from anisogran.plots.directions import direction_figure
+from anisogran.plots.element import element_figure
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
 from anisogran.plots.mohr_circles import mohr_circles_figure
@@ -12,6 +13,20 @@ from anisogran.plots.stiffness import stiffness_figure
 from anisogran.plots.style import figure
 
 __all__ = [
-    "biaxial_curves", "chain_figure", "contact_law_figure", "cost_figure", "direction_figure", "draw_contact_path", "draw_packing",
-    "field_map", "figure", "friction_law", "mohr_circles_figure", "packings", "ring_fields", "stiffness_figure", "velocity_comparison",
-]  # fmt: skip
+    "biaxial_curves",
+    "chain_figure",
+    "contact_law_figure",
+    "cost_figure",
+    "direction_figure",
+    "draw_contact_path",
+    "draw_packing",
+    "element_figure",
+    "field_map",
+    "figure",
+    "friction_law",
+    "mohr_circles_figure",
+    "packings",
+    "ring_fields",
+    "stiffness_figure",
+    "velocity_comparison",
+]
