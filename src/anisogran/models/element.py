@@ -20,7 +20,8 @@ _REASONS = {
     **MEANING,
     NOT_REACHABLE: f"the prescribed stress is not reachable (no solution in {MOST_ITERATIONS} Newton iterations); "
     "if it should be, try smaller steps",
-    LOST_CONTROL: "the prescribed stress is not reachable, the sample gives way: its tangent is no longer positive definite in the directions of the prescribed stress",
+    LOST_CONTROL: "the prescribed stress is not reachable, the sample gives way: "
+    "its tangent is no longer positive definite in the directions of the prescribed stress",
 }
 
 
