@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from anisogran.fitting import relaxation
-from anisogran.fitting.gate import Evidence, Verdict, judge
+from anisogran.fitting.gate import Evidence, Source, Verdict, judge
 from anisogran.outcome import InputError
 
 TRUTH = {"s_0": 0.0, "s_max": 0.4, "beta": 80.0}
@@ -75,19 +75,20 @@ def test_a_bad_start_is_overruled_by_the_others(strain, noise, beta):
 
 
 def test_a_local_minimum_is_no_answer():
-    good = Evidence(60, 57.0, {"b": 1.0}, {"b": 0.1}, {"b": 1.0}, {}, (), 5.0, 1.0, 0.1, 1.0, (1.0,) * 8)
+    source = Source("run", 60, 1.0, 0.1, ("b",))
+    good = Evidence((source,), 57.0, {"b": 1.0}, {"b": 0.1}, {"b": 1.0}, {}, (), 5.0, 1.0, (1.0,) * 8)
     assert judge(good) == ((), set())
     reasons, undetermined = judge(good._replace(chi_square=59.0))
     assert "chi^2 is 59 times the lowest" in reasons[0]
     assert undetermined == {"b"}
     for change, words in (
-        ({"points": 4}, "only 4 points"),
+        ({"sources": (source._replace(points=4),)}, "only 4 points"),
         ({"free": -1.0}, "so correlated"),
         ({"errors": {"b": 0.6}}, "uncertain by 0.6"),
         ({"errors": {"b": float("nan")}}, "no error bar"),
         ({"condition": 1e4}, "do not tell the parameters apart"),
         ({"at_bound": ("b",)}, "at the bound"),
-        ({"noise": 0.5}, "not above 3 times"),
+        ({"sources": (source._replace(noise=0.5),)}, "not above 3 times"),
         ({"all_chi_squares": (1.0,)}, "only 1 starts"),
         ({"correlations": {("b", "b"): -0.99}}, "not separated"),
     ):

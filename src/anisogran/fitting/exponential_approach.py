@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from anisogran.fitting.gate import CORRELATION, Verdict
-from anisogran.fitting.least_squares import Parameter, fit_curve
-from anisogran.fitting.observations import observations
+from anisogran.fitting.least_squares import Parameter, Part, fit_together
+from anisogran.fitting.observations import DataSet, labels, observations
 from anisogran.outcome import InputError
 
 _DROP = 0.05  # a fall after the peak below this part of the rise is no peak
@@ -29,42 +29,68 @@ def relaxation(eps_D, s, errors=None, until="peak", start=None):
     Neighbouring points are taken as a correlated series. Raises InputError for data that cannot be fitted at all, or a bad
     `until`.
     """
+    return _fit("relaxation", [DataSet(eps_D, s, errors)], [""], until, start)
+
+
+def relaxations(sets, shared=None, until="peak", start=None, balance=False):
+    """Fit of s(eps_D) of several `DataSet`s at once: `FitResult` with s_0, s_max, beta, each own or shared.
+
+    `shared={"s_max": ("mu",), "beta": "all"}`: data sets with equal mu have one s_max, all have one beta, and s_0 is own; then
+    `values` has the names "s_0[LABEL]", "s_max[mu=0.5]", "beta". `result.table` says which is which, `result.of(LABEL)` has the three
+    values of one data set. Every point counts by its error; `balance=True` lets each data set count the same, whatever its length.
+    The rest is as in `relaxation`. Raises InputError for what it refuses, and for names of parameters or conditions that are unknown.
+    """
+    return _fit("relaxations", sets, labels("relaxations", sets), until, start, shared, balance)
+
+
+def _fit(where, sets, names, until, start, shared=None, balance=False):
     if until not in ("peak", None):
-        raise InputError(f"relaxation: until = {until!r} must be 'peak' or None")
+        raise InputError(f"{where}: until = {until!r} must be 'peak' or None")
     if start is not None and not isinstance(start, dict):
-        raise InputError(f"relaxation: start = {start!r} must be a dict of s_0, s_max and beta")
-    data = observations("relaxation", eps_D, s, errors, parameters=3)
-    if data.x[0] < -1e-3 * abs(data.x[-1]):
-        raise InputError(f"relaxation: eps_D = {data.x[0]:g} is negative; the law holds for loading, compression positive")
-    used = data if until is None else data.part(slice(_end_of_rise(data.y)))
-    if used.x.size < 3 or used.x[0] == used.x[-1]:
-        raise InputError(f"relaxation: only {used.x.size} points up to the peak, cannot determine 3 parameters")
-    x_scale, y_scale = float(np.max(np.abs(used.x))), float(np.max(np.abs(used.y))) or 1.0
-    spacing = x_scale / used.x.size
+        raise InputError(f"{where}: start = {start!r} must be a dict of s_0, s_max and beta")
+    whole = [_checked(f"{where} {name}".strip(), one) for name, one in zip(names, sets, strict=True)]
+    used = [_used(f"{where} {name}".strip(), data, until) for name, data in zip(names, whole, strict=True)]
+    x_scale = max(float(np.max(np.abs(data.x))) for data in used)
+    y_scale = max(float(np.max(np.abs(data.y))) for data in used) or 1.0
+    fastest = max(x_scale * data.x.size / float(np.max(np.abs(data.x))) for data in used)
     parameters = (
         Parameter("s_0", y_scale, -10.0, 10.0, level=True),
         Parameter("s_max", y_scale, -10.0, 10.0),
-        Parameter("beta", 1.0 / x_scale, 1e-3, 10.0 * x_scale / spacing),
+        Parameter("beta", 1.0 / x_scale, 1e-3, 10.0 * fastest),
     )
-    x, y = used.x / x_scale, used.y / y_scale
-    betas = np.geomspace(0.03, 0.5 * x_scale / spacing, 12)
-    starts = [_linear_start(x, y, beta) for beta in betas]
-    result = fit_curve(
-        "s = s_max - (s_max - s_0) exp(-beta eps_D)",
-        approach,
-        parameters,
-        used,
-        starts,
-        scales=(x_scale, y_scale),
-        series=True,
-        cut=data.x.size - used.x.size,
-        start=start,
-    )
-    if abs(result.correlations["s_max", "beta"]) >= CORRELATION:
-        slope = result.values["beta"] * (result.values["s_max"] - result.values["s_0"])
-        hint = f"only the initial slope beta (s_max - s_0) = {slope:.4g} is determined"
-        return replace(result, verdict=Verdict((*result.verdict.reasons, hint), result.verdict.remarks))
-    return result
+    parts = []
+    for name, one, data, all_data in zip(names, sets, used, whole, strict=True):
+        x, y, reach = data.x / x_scale, data.y / y_scale, float(np.max(np.abs(data.x))) / x_scale
+        starts = [_linear_start(x, y, beta) for beta in np.geomspace(0.03, 0.5 * data.x.size, 12) / reach]
+        parts.append(Part(data, starts, name, one.conditions, one.weight, cut=all_data.x.size - data.x.size))
+    law = "s = s_max - (s_max - s_0) exp(-beta eps_D)"
+    settings = {"shared": shared, "balance": balance, "start": start, "where": where}
+    result = fit_together(law, approach, parameters, parts, scales=(x_scale, y_scale), series=True, **settings)
+    hints = [hint for name in names for hint in _slope_only(result, name)]
+    return replace(result, verdict=Verdict((*result.verdict.reasons, *hints), result.verdict.remarks)) if hints else result
+
+
+def _checked(where, one):
+    data = observations(where, one.x, one.y, one.errors, parameters=3)
+    if data.x[0] < -1e-3 * abs(data.x[-1]):
+        raise InputError(f"{where}: eps_D = {data.x[0]:g} is negative; the law holds for loading, compression positive")
+    return data
+
+
+def _used(where, data, until):
+    used = data if until is None else data.part(slice(_end_of_rise(data.y)))
+    if used.x.size < 3 or used.x[0] == used.x[-1]:
+        raise InputError(f"{where}: only {used.x.size} points up to the peak, cannot determine 3 parameters")
+    return used
+
+
+def _slope_only(result, name):
+    """What is known where s_max and beta are not separated."""
+    variables = [result.table.variables[name, parameter] for parameter in ("s_max", "beta")]
+    if abs(result.correlations[tuple(variables)]) >= CORRELATION:
+        values = result.of(name)
+        slope = values["beta"] * (values["s_max"] - values["s_0"])
+        yield f"{name}: ".removeprefix(": ") + f"only the initial slope beta (s_max - s_0) = {slope:.4g} is determined"
 
 
 def _linear_start(x, y, beta):

@@ -11,7 +11,10 @@ RELATIVE_ERROR = 0.5
 CORRELATION = 0.98
 CONDITION = 1e3
 SIGNAL_TO_NOISE = 3.0
-RANDOM_SIGNS = 0.01  # a runs test below this finds structure in the residuals
+# A runs test below the first limit finds structure in the residuals, which is remarked. In a series that may be noise with memory,
+# and the errors are enlarged for it. Points declared independent have no memory: there structure means a wrong law, whose errors
+# mean nothing, and below the second limit (seen in one good fit of a thousand) this is a reason.
+RANDOM_SIGNS, ORDERED_SIGNS = 0.01, 1e-3
 
 
 @dataclass(frozen=True)
@@ -29,10 +32,20 @@ class Verdict:
         return "; ".join([f"{word}: {self.reasons[0]}" if self.reasons else word, *self.reasons[1:], *self.remarks])
 
 
+class Source(NamedTuple):
+    """One data set as the gate sees it."""
+
+    label: str
+    points: int
+    signal: float  # range of the fitted curve over the points
+    noise: float  # rms residual
+    names: tuple  # of the parameters that it helps to determine
+
+
 class Evidence(NamedTuple):
     """What the gate judges; dicts have the parameter names as keys."""
 
-    points: int
+    sources: tuple
     free: float  # degrees of freedom, in independent points
     values: dict
     errors: dict  # one standard error, correlations of the residuals included; nan if there is none
@@ -40,8 +53,6 @@ class Evidence(NamedTuple):
     correlations: dict  # (name, name): correlation
     at_bound: tuple  # names
     condition: float  # of the Jacobian, each parameter in units of its size
-    signal: float  # range of the fitted curve over the points
-    noise: float  # rms residual
     chi_square: float
     all_chi_squares: tuple  # one for each start
 
@@ -55,13 +66,24 @@ def judge(evidence):
         reasons.append(reason)
         undetermined.update(culprits or names)
 
-    needed = POINTS_PER_PARAMETER * len(names)
-    if evidence.points < needed:
-        object_to(f"only {evidence.points} points, at least {needed} are needed for {len(names)} parameters")
+    points, needed = sum(source.points for source in evidence.sources), POINTS_PER_PARAMETER * len(names)
+    if points < needed:
+        object_to(f"only {points} points, at least {needed} are needed for {len(names)} parameters")
     elif evidence.free <= 0.0:
         object_to("the residuals are so correlated that fewer independent points than parameters are left")
-    if not evidence.signal > SIGNAL_TO_NOISE * evidence.noise:
-        object_to(f"the signal {evidence.signal:.3g} is not above {SIGNAL_TO_NOISE:g} times the noise {evidence.noise:.3g}")
+    for source, others in _with_others(evidence.sources):
+        own = [name for name in source.names if not any(name in other.names for other in others)]
+        if others and source.points < POINTS_PER_PARAMETER * len(own):
+            object_to(f"only {source.points} points in {source.label} for its {len(own)} own parameters", *own)
+    weak = [source for source in evidence.sources if not source.signal > SIGNAL_TO_NOISE * source.noise]
+    for source in weak:
+        where = f"in {source.label} " if len(evidence.sources) > 1 else ""
+        elsewhere = {name for other in evidence.sources if other not in weak for name in other.names}
+        if not elsewhere.issuperset(source.names):  # else the others determine all that this one uses
+            culprits = [name for name in source.names if name not in elsewhere]
+            object_to(
+                f"{where}the signal {source.signal:.3g} is not above {SIGNAL_TO_NOISE:g} times the noise {source.noise:.3g}", *culprits
+            )
     if len(evidence.all_chi_squares) < STARTS:
         object_to(f"only {len(evidence.all_chi_squares)} starts, at least {STARTS} are needed")
     elif evidence.chi_square > WORSE * min(evidence.all_chi_squares):
@@ -81,3 +103,7 @@ def judge(evidence):
         elif not error < RELATIVE_ERROR * size:
             object_to(f"{name} = {evidence.values[name]:.4g} is uncertain by {error:.3g}", name)
     return tuple(reasons), undetermined
+
+
+def _with_others(sources):
+    return [(source, [other for other in sources if other is not source]) for source in sources]

@@ -1,21 +1,20 @@
-"""The one place where a curve is fitted: scaled variables, many starts, errors that know of correlated residuals, the gate."""
+"""The one place where curves are fitted: scaled variables, many starts, errors that know of correlated residuals, the gate."""
 
-import warnings
 from typing import NamedTuple
 
 import lmfit
 import numpy as np
 
-from anisogran.fitting.gate import RANDOM_SIGNS, Evidence, Verdict, judge
-from anisogran.fitting.residuals import correlation_time, runs_test
+from anisogran.fitting.estimate import Estimate
+from anisogran.fitting.examination import figures, objections, remarks, together
+from anisogran.fitting.gate import Verdict
+from anisogran.fitting.observations import Observations
+from anisogran.fitting.problem import Points, Problem
 from anisogran.fitting.result import FitResult
-from anisogran.outcome import InputError
-
-_COMPLEX_STEP = 1e-30
-_TOLERANCE = 1e-12  # of the minimiser, relative; its noise of rounding lies some decades lower
-_CONVERGED = 1e-7  # residuals below this part of the signal: data without noise
-_AT_BOUND = 1e-6  # this close to a bound, in units of the range of the parameter, is at the bound
-_MANY = 4000  # above this number of points the starts are tried on a thinned set, and the best one is polished on all
+from anisogran.fitting.search import search
+from anisogran.fitting.sharing import Sharing, variables
+from anisogran.fitting.spread import spread
+from anisogran.outcome import InputError, NotConverged
 
 
 class Parameter(NamedTuple):
@@ -31,118 +30,119 @@ class Parameter(NamedTuple):
     level: bool = False
 
 
+class Part(NamedTuple):
+    """One data set of a fit. `starts` are guesses in scaled variables, shape (m, p), the same m for all data sets.
+
+    `known` are further arguments of the curve that this data set fixes; they must be pure numbers, since nothing scales them.
+    """
+
+    data: Observations
+    starts: object
+    label: str = ""
+    conditions: dict = {}  # noqa: RUF012, never changed
+    weight: float = 1.0
+    known: dict = {}  # noqa: RUF012
+    cut: int = 0
+
+
 def fit_curve(law, curve, parameters, data, starts, *, scales, series, cut=0, start=None, curve_of_data=None):
-    """The `FitResult` of the least-squares fit of `curve(x, **values)` to `data` (an `Observations`).
+    """The `FitResult` of the least-squares fit of `curve(x, **values)` to `data` (an `Observations`): `fit_together` of one data set.
 
     `curve` must take complex parameters; it is the same in scaled and in unscaled variables. `scales` are those of x
     and y; `starts` an array (m, p) in scaled variables; `start` an optional dict of the user, in the units of the data, tried as
     well. `curve_of_data` is the curve in the user's variables if it is not `curve` (a fit to the logarithm).
-    Errors: without `data.errors` the noise is the scatter about the curve; with them they are taken as given, and enlarged if the
-    scatter is larger (chi^2/free > 1). If the points are a `series` (neighbours in x are neighbours in one run) the covariance is
-    multiplied by the correlation time tau of the residuals, since only n/tau points are independent; this holds for noise that is
-    short-ranged against the curve.
     """
-    x, y = data.x / scales[0], data.y / scales[1]
-    weight = np.ones_like(y) if data.errors is None else scales[1] / data.errors
-    names = [parameter.name for parameter in parameters]
-    units = np.array([parameter.unit for parameter in parameters])
+    part = Part(data, starts, cut=cut)
+    return fit_together(law, curve, parameters, [part], scales=scales, series=series, start=start, curve_of_data=curve_of_data)
 
-    def residual(theta, x=x, y=y, weight=weight):
-        return (curve(x, **dict(zip(names, theta, strict=True))) - y) * weight
 
-    starts = [*np.asarray(starts, dtype=float), *_given(law, start, parameters)]
-    coarse = slice(None, None, -(-x.size // _MANY))
-    tried = [_minimum(residual, parameters, guess, (x[coarse], y[coarse], weight[coarse])) for guess in starts]
-    chi_squares = tuple(chi_square for _, chi_square in tried)
-    best = int(np.argmin(chi_squares))
-    theta = tried[best][0]
-    if x.size > _MANY:
-        theta, _ = _minimum(residual, parameters, theta, (x, y, weight))
+def fit_together(
+    law, curve, parameters, parts, *, scales, series, shared=None, balance=False, start=None, curve_of_data=None, where="fit_together"
+):
+    """The `FitResult` of the least-squares fit of one curve to the `Part`s at once; for the arguments see `fit_curve`.
 
-    left = residual(theta)
-    chi_square, n, p = float(left @ left), x.size, len(names)
-    signal, noise = float(np.ptp(left / weight + y)), float(np.sqrt(np.mean((left / weight) ** 2)))
-    jacobian = _jacobian(residual, theta)
-    regular = bool(np.all(np.isfinite(jacobian)) and np.all(np.any(jacobian != 0.0, axis=0)))
-    # residuals as small as the minimiser's own tolerance are no noise, and their order tells nothing
-    tau = correlation_time(left, jacobian) if series and regular and noise > _CONVERGED * signal else 1.0
-    free = n / tau - p
-    size = np.array([signal if parameter.level else value for parameter, value in zip(parameters, theta, strict=True)])
-    # tau times the variance of a point, which is chi^2/n corrected for the p independent points that the fit has used up
-    variance = chi_square / free if free > 0.0 else np.nan
-    if data.errors is not None and free > 0.0:
-        variance = max(tau, variance)
-    covariance, condition = _covariance(jacobian, size, variance)
-    covariance = covariance * np.outer(units, units)
-    sigma = np.sqrt(np.diag(covariance))
-    correlations = {
-        (names[i], names[j]): float(covariance[i, j] / (sigma[i] * sigma[j])) if sigma[i] * sigma[j] > 0.0 else float("nan")
-        for i in range(p)
-        for j in range(i + 1, p)
-    }
-    values = dict(zip(names, (theta * units).tolist(), strict=True))
-    errors = dict(zip(names, sigma.tolist(), strict=True))
-    evidence = Evidence(
-        points=n,
-        free=free,
-        values=values,
-        errors=errors,
-        sizes=dict(zip(names, (size * np.abs(units)).tolist(), strict=True)),
-        correlations=correlations,
-        at_bound=tuple(q.name for q, v in zip(parameters, theta, strict=True) if _at_bound(q, v)),
-        condition=condition,
-        signal=signal * scales[1],
-        noise=noise * scales[1],
-        chi_square=chi_squares[best],
-        all_chi_squares=chi_squares,
+    `shared` says which parameters data sets have in common, see `sharing.variables`; data sets that share nothing are fitted one by one.
+    Every point counts by its error, times the weight of its data set; with `balance` each data set counts the same, whatever its
+    length. Weights move the values, they do not shrink the errors.
+    Errors: without `data.errors` (of all data sets, or of none) the noise is the scatter about the curve, of each data set by itself if
+    it is long enough; with them they are taken as given, and enlarged if the scatter is larger (chi^2/free > 1). If the points are a
+    `series` (neighbours in x are neighbours in one run) the variance is multiplied by the correlation time tau of the residuals,
+    since only n/tau points are independent; this holds for noise that is short-ranged against the curve.
+    Raises InputError for a start or a sharing that names what there is not, NotConverged if no start gives a finite curve.
+    """
+    names = tuple(parameter.name for parameter in parameters)
+    labels = [part.label for part in parts]
+    index, owners = variables(where, names, labels, [part.conditions for part in parts], shared)
+    of_variable = [parameters[int(np.argwhere(index == i)[0, 1])] for i in range(len(owners))]
+    lower, upper, units = (np.array([getattr(q, key) for q in of_variable]) for key in ("lower", "upper", "unit"))
+    sets = _sets(where, parts, scales, balance)
+    problem = Problem(curve, names, tuple(q.level for q in parameters), series, sets, index, lower, upper)
+    given = _given(law, start, parameters)
+    theta, found = search(problem, [[*np.asarray(part.starts, dtype=float), *given] for part in parts])
+    if not all(np.isfinite(one.chi_square) for one in found):
+        raise NotConverged(f"{where}: the curve of {law} has no finite values from any of the starts")
+    estimate = Estimate(problem, theta, spread(problem, theta), owners, units, scales)
+    each = [figures(estimate, k, part.data.errors is not None) for k, part in enumerate(parts)]
+    reasons, undetermined = objections(estimate, found, labels, each)
+    errors = estimate.named(estimate.sigmas)
+    table = Sharing(
+        names,
+        tuple(labels),
+        {(label, name): owners[i] for label, row in zip(labels, index, strict=True) for name, i in zip(names, row, strict=True)},
+        {part.label: part.data.x.size for part in parts},
+        {part.label: points.importance for part, points in zip(parts, sets, strict=True)},
     )
-    reasons, undetermined = judge(evidence)
-    runs_p = runs_test(left)
+    tries = [_all_variables(estimate, found, number) for number in range(min(len(one.starts) for one in found))]
     return FitResult(
         law=law,
-        values=values,
-        errors={name: float("nan") if name in undetermined else errors[name] for name in names},
-        correlations=correlations,
-        verdict=Verdict(reasons, _remarks(data.dropped, runs_p, tau, chi_squares, start)),
-        points=n,
-        x_range=(float(data.x[0]), float(data.x[-1])),
-        dropped=data.dropped,
-        cut=cut,
-        free=free,
-        residuals={
-            "rms": noise * scales[1],
-            "largest": float(np.max(np.abs(left / weight))) * scales[1],
-            "chi_square": chi_square if data.errors is not None else chi_square * scales[1] ** 2,
-            "correlation_time": tau,
-            "independent_points": n / tau,
-            "runs_p": runs_p,
-            "condition": condition,
-        },
-        starts=tuple(dict(zip(names, (guess * units).tolist(), strict=True)) for guess in starts),
-        start=dict(zip(names, (starts[best] * units).tolist(), strict=True)),
+        values=estimate.named(theta),
+        errors={name: float("nan") if name in undetermined else abs(errors[name]) for name in owners},
+        correlations=estimate.correlations,
+        verdict=Verdict(tuple(reasons), tuple(remarks(estimate, found, parts, each, bool(given)))),
+        table=table,
+        points=sum(points.x.size for points in sets),
+        x_range=(min(float(part.data.x[0]) for part in parts), max(float(part.data.x[-1]) for part in parts)),
+        dropped=sum(part.data.dropped for part in parts),
+        cut=sum(part.cut for part in parts),
+        free=estimate.spread.free,
+        residuals=together(each, estimate.spread.conditions),
+        data_sets=dict(zip(labels, each, strict=True)),
+        starts=tuple(tries),
+        start=_all_variables(estimate, found, None),
         lmfit_version=lmfit.__version__,
         _curve=curve_of_data or curve,
+        _estimate=estimate,
+        _known={part.label: part.known for part in parts},
     )
 
 
-def _minimum(residual, parameters, guess, points):
-    """(theta, chi^2) of Levenberg-Marquardt from one start, inside the bounds."""
-    table = lmfit.Parameters()
-    for parameter, value in zip(parameters, guess, strict=True):
-        table.add(parameter.name, value=value, min=parameter.lower, max=parameter.upper)
-    names = [parameter.name for parameter in parameters]
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        # lmfit also makes error bars, which are not used here, and warns when they vanish or cannot be had; errstate restores the
-        # floating-point settings, which lmfit itself loses if a curve raises
-        warnings.simplefilter("ignore")
-        answer = lmfit.minimize(
-            lambda table: residual([table[name].value for name in names], *points),
-            table,
-            method="leastsq",
-            ftol=_TOLERANCE,
-            xtol=_TOLERANCE,
-        )
-    return np.array([answer.params[name].value for name in names]), float(np.sum(answer.residual**2))
+def _sets(where, parts, scales, balance):
+    """The `Points` of each data set, with the weights that `balance` asks for."""
+    given = [part.data.errors is not None for part in parts]
+    if any(given) and not all(given):
+        raise InputError(f"{where}: errors must be given for all data sets or for none, {parts[given.index(False)].label!r} has none")
+    seen = {}
+    for part in parts if len(parts) > 1 else ():
+        first = seen.setdefault((part.data.x.tobytes(), part.data.y.tobytes()), part.label)
+        if first != part.label:
+            raise InputError(f"{where}: data sets {first!r} and {part.label!r} hold the same points")
+    sizes = np.array([part.data.x.size for part in parts])
+    factors = sizes.mean() / sizes if balance else np.ones(sizes.size)
+    sets = []
+    for part, factor in zip(parts, factors, strict=True):
+        x, y, importance = part.data.x / scales[0], part.data.y / scales[1], float(part.weight * factor)
+        weight = np.sqrt(importance) * (np.ones_like(y) if part.data.errors is None else scales[1] / part.data.errors)
+        floor = 0.0 if part.data.errors is None else importance
+        sets.append(Points(x, y, weight, part.data.distinct, part.known, floor, importance))
+    return tuple(sets)
+
+
+def _all_variables(estimate, found, number):
+    """{name: start value} of the try of this number, or of the best one."""
+    guess = np.empty(estimate.theta.size)
+    for one in found:
+        guess[one.variables] = one.starts[one.best if number is None else number]
+    return estimate.named(guess)
 
 
 def _given(law, start, parameters):
@@ -157,40 +157,3 @@ def _given(law, start, parameters):
     if not all(inside):
         raise InputError(f"{law}: start {start} lies outside the range of the parameters")
     return [guess]
-
-
-def _jacobian(residual, theta):
-    """d residual/d theta, shape (n, p), exact (complex step)."""
-    return np.array([np.imag(residual(theta + 1j * _COMPLEX_STEP * unit)) / _COMPLEX_STEP for unit in np.eye(theta.size)]).T
-
-
-def _covariance(jacobian, size, variance):
-    """(covariance, condition); the condition has each parameter in units of its size."""
-    scaled = jacobian * size
-    if not np.all(np.isfinite(scaled)) or np.any(size == 0.0):
-        return np.full((size.size, size.size), np.nan), float("inf")
-    _, singular, axes = np.linalg.svd(scaled, full_matrices=False)
-    if singular[-1] <= 1e-14 * singular[0]:  # rounding of the decomposition
-        return np.full((size.size, size.size), np.nan), float("inf")
-    half = (axes.T / singular) * size[:, None]
-    return half @ half.T * variance, float(singular[0] / singular[-1])
-
-
-def _at_bound(parameter, value):
-    margin = _AT_BOUND * (parameter.upper - parameter.lower)
-    if parameter.lower > 0.0:  # a rate: the low end of a range over decades is near in ratio, not in difference
-        return value < parameter.lower * (1.0 + 1e-3) or value > parameter.upper - margin
-    return not parameter.lower + margin < value < parameter.upper - margin
-
-
-def _remarks(dropped, runs_p, tau, chi_squares, start):
-    remarks = []
-    if dropped:
-        remarks.append(f"{dropped} points dropped")
-    if runs_p < RANDOM_SIGNS:
-        remarks.append(f"structure left in residuals (runs test p = {runs_p:.1e})")
-    if tau > 1.5:
-        remarks.append(f"residuals correlated over {tau:.1f} points, errors enlarged by {np.sqrt(tau):.1f}")
-    if start is not None and chi_squares[-1] > 1.01 * min(chi_squares):
-        remarks.append("the given start leads to a worse minimum, another start was used")
-    return tuple(remarks)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import t as student
 
+from anisogran.fitting.estimate import Estimate
 from anisogran.fitting.gate import Verdict
+from anisogran.fitting.sharing import Sharing, nearest
 from anisogran.outcome import InputError
 
 
@@ -19,12 +21,14 @@ class FitResult:
     errors        name: one standard error, correlated residuals included; nan if the data cannot determine the parameter
     correlations  (name, name): correlation of the two estimates, nan without an error
     verdict       truthy only if the fit is trustworthy; `.reasons`, `.remarks`
+    table         which variable each parameter of each data set is (`Sharing`, prints as a table)
     points        number of points used;  x_range  their first and last abscissa
     dropped       number of points left out because they are not finite (or not positive, where a logarithm is taken)
     cut           number of points left out on purpose, such as those after the peak
     free          degrees of freedom in independent points, n/tau - p
     residuals     "rms" and "largest" (units of y), "chi_square" (weighted sum of squares), "correlation_time" tau in points,
                   "independent_points" n/tau, "runs_p" (probability of signs so ordered), "condition"
+    data_sets     the same figures for each data set, by label, without "condition"
     starts        the start values tried, one dict for each;  start  the one that led to the values
     lmfit_version
     """
@@ -34,20 +38,42 @@ class FitResult:
     errors: dict
     correlations: dict
     verdict: Verdict
+    table: Sharing
     points: int
     x_range: tuple
     dropped: int
     cut: int
     free: float
     residuals: dict
+    data_sets: dict
     starts: tuple
     start: dict
     lmfit_version: str
     _curve: Callable = field(repr=False, compare=False)
+    _estimate: Estimate = field(repr=False, compare=False)
+    _known: dict = field(repr=False, compare=False)
 
-    def predict(self, x):
-        """The fitted curve at x, same shape; outside `x_range` it is an extrapolation."""
-        return self._curve(np.asarray(x, dtype=float), **self.values)
+    def of(self, label):
+        """{parameter: value} of one data set. Raises InputError for a label that there is not."""
+        return {name: self.values[variable] for name, variable in self._variables(label)}
+
+    def errors_of(self, label):
+        """{parameter: error} of one data set, as `of`."""
+        return {name: self.errors[variable] for name, variable in self._variables(label)}
+
+    def _variables(self, label):
+        if label not in self.table.labels:
+            raise InputError(f"data set {label!r} is unknown; {nearest(label, self.table.labels)}")
+        return [(name, self.table.variables[label, name]) for name in self.table.parameters]
+
+    def predict(self, x, label=None):
+        """The fitted curve at x, same shape, of the data set `label`; outside `x_range` it is an extrapolation.
+
+        Raises InputError for a label that there is not, or none where there are several data sets.
+        """
+        if label is None and len(self.table.labels) == 1:
+            label = self.table.labels[0]
+        return self._curve(np.asarray(x, dtype=float), **self.of(label), **self._known[label])
 
     def interval(self, name, level=0.95):
         """(low, high) that covers the true value with this probability (Student's t with `free` degrees of freedom), or nan.
@@ -58,7 +84,7 @@ class FitResult:
             raise InputError(f"interval: needs one of {', '.join(self.values)} and a level in (0, 1), got {name!r}, {level!r}")
         if not np.isfinite(self.errors[name]):
             return float("nan"), float("nan")
-        half = float(student.ppf(0.5 + 0.5 * level, self.free)) * self.errors[name]
+        half = float(student.ppf(0.5 + 0.5 * level, self._estimate.spread.free_of[self._estimate.names.index(name)])) * self.errors[name]
         return self.values[name] - half, self.values[name] + half
 
     def __str__(self):

@@ -1,0 +1,60 @@
+"""The lowest minimum of a least-squares problem, looked for from many starts."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from anisogran.fitting.problem import minimum
+from anisogran.fitting.spread import components
+
+_MANY = 4000  # data sets with more points are thinned while the starts are tried, and the best one is polished on all
+
+
+class Found(NamedTuple):
+    """The minimum of one component (data sets that share no variable with others); `variables` number those of the whole problem."""
+
+    variables: np.ndarray
+    theta: np.ndarray
+    chi_square: float  # on all points; those of the starts are on the thinned ones
+    all_chi_squares: tuple
+    starts: list
+    best: int
+    apart: np.ndarray  # parameters of each data set fitted on its own, (K p,)
+
+
+def search(problem, starts):
+    """(theta, list of `Found`): `starts[k]` are guesses for data set k, shape (m, p), the same m for all.
+
+    Data sets that share nothing are fitted one by one. Those that share something are first fitted alone too; the joint fit
+    starts from there and from the m guesses together, with the median of a shared parameter.
+    """
+    theta, found = np.empty(problem.lower.size), []
+    for group in components(problem.index):
+        part, used = problem.part(group)
+        alone = [lowest(part.apart().part([k])[0], starts[group[k]]) for k in range(len(group))]
+        one = alone[0]
+        if len(group) > 1:
+            tries = [_together(part.index, [each.theta for each in alone])]
+            tries += [_together(part.index, guesses) for guesses in zip(*(starts[k] for k in group), strict=True)]
+            one = lowest(part, tries)
+        theta[used] = one.theta
+        found.append(one._replace(variables=used, apart=np.concatenate([each.theta for each in alone])))
+    return theta, found
+
+
+def lowest(problem, starts):
+    """The `Found` of a problem whose data sets all belong together, from guesses of shape (P,)."""
+    thin = problem.thinned(_MANY)
+    tried = [minimum(thin, guess) for guess in starts]
+    chi_squares = tuple(chi_square for _, chi_square in tried)
+    best = int(np.argmin(chi_squares))
+    theta, chi_square = tried[best]
+    if any(points.x.size > _MANY for points in problem.sets):
+        theta, chi_square = minimum(problem, theta)
+    return Found(np.arange(theta.size), theta, chi_square, chi_squares, starts, best, theta)
+
+
+def _together(index, parameters):
+    """Variables from the parameters of each data set, (K, p): the median where several share one."""
+    parameters = np.asarray(parameters)
+    return np.array([np.median(parameters[index == variable]) for variable in range(index.max() + 1)])
