@@ -16,7 +16,7 @@ _UNEQUAL = 3.0  # ratio of noises above which data sets should have been given e
 def figures(estimate, k, measured):
     """The figures of data set k, in the units of the data, see `FitResult.residuals`; `measured` if its errors were given."""
     about, points = estimate.spread, estimate.problem.sets[k]
-    left, scale = estimate.problem.residual(k, estimate.theta), abs(estimate.scales[1])
+    left, scale = estimate.problem.raw(k, estimate.theta), abs(estimate.scales[1])
     chi_square = float(left @ left) / points.importance
     return {
         "rms": float(about.noises[k]) * scale,
@@ -24,7 +24,7 @@ def figures(estimate, k, measured):
         "chi_square": chi_square if measured else chi_square * scale**2,
         "correlation_time": float(about.taus[k]),
         "independent_points": float(left.size / about.taus[k]),
-        "runs_p": runs_test(left) if about.noises[k] > CONVERGED * about.signals[k] else float("nan"),
+        "runs_p": runs_test(left[points.distinct]) if about.noises[k] > CONVERGED * about.signals[k] else float("nan"),
     }
 
 
@@ -57,7 +57,9 @@ def objections(estimate, found, labels, each):
             undetermined.update(names if doubt else ())
         if not estimate.problem.series:
             for k in group:
-                if each[k]["runs_p"] < ORDERED_SIGNS and _long_runs(estimate.problem.residual(k, estimate.theta)):
+                if each[k]["runs_p"] < ORDERED_SIGNS and _long_runs(
+                    estimate.problem.raw(k, estimate.theta)[estimate.problem.sets[k].distinct]
+                ):
                     reasons.append(
                         f"{_where(labels, k)}structure left in residuals of independent points (runs test p = {each[k]['runs_p']:.1e})"
                     )

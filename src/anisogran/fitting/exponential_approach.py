@@ -18,7 +18,7 @@ def approach(eps_D, s_0, s_max, beta):
     return s_max - (s_max - s_0) * np.exp(-beta * eps_D)
 
 
-def relaxation(eps_D, s, errors=None, until="peak", start=None):
+def relaxation(eps_D, s, errors=None, until="peak", start=None, loss="linear"):
     """Fit of s(eps_D), a stress ratio or an anisotropy, of a monotonic loading: `FitResult` with s_0, s_max, beta.
 
     eps_D (half/half, no unit) and s, shape (n,), in any order; s_0 is the value at eps_D = 0, which is left free.
@@ -26,13 +26,14 @@ def relaxation(eps_D, s, errors=None, until="peak", start=None):
     the largest value of a running mean over 5 % of the points (at least 3); there is one only if the running mean afterwards
     falls by more than 5 % of its rise and by more than 3 standard deviations of the scatter about it. `x_range` and `cut` of the
     result say what was used. `until=None` uses all. `start` is an optional dict with the three values, tried beside 12 others.
-    Neighbouring points are taken as a correlated series. Raises InputError for data that cannot be fitted at all, or a bad
+    With loss="soft_l1" outliers have little say, and the errors are those of a bootstrap (0.3 s). Neighbouring points are taken as a
+    correlated series. Raises InputError for data that cannot be fitted at all, or a bad
     `until`.
     """
-    return _fit("relaxation", [DataSet(eps_D, s, errors)], [""], until, start)
+    return _fit("relaxation", [DataSet(eps_D, s, errors)], [""], until, start, loss=loss)
 
 
-def relaxations(sets, shared=None, until="peak", start=None, balance=False):
+def relaxations(sets, shared=None, until="peak", start=None, balance=False, loss="linear"):
     """Fit of s(eps_D) of several `DataSet`s at once: `FitResult` with s_0, s_max, beta, each own or shared.
 
     `shared={"s_max": ("mu",), "beta": "all"}`: data sets with equal mu have one s_max, all have one beta, and s_0 is own; then
@@ -40,10 +41,10 @@ def relaxations(sets, shared=None, until="peak", start=None, balance=False):
     values of one data set. Every point counts by its error; `balance=True` lets each data set count the same, whatever its length.
     The rest is as in `relaxation`. Raises InputError for what it refuses, and for names of parameters or conditions that are unknown.
     """
-    return _fit("relaxations", sets, labels("relaxations", sets), until, start, shared, balance)
+    return _fit("relaxations", sets, labels("relaxations", sets), until, start, shared, balance, loss)
 
 
-def _fit(where, sets, names, until, start, shared=None, balance=False):
+def _fit(where, sets, names, until, start, shared=None, balance=False, loss="linear"):
     if until not in ("peak", None):
         raise InputError(f"{where}: until = {until!r} must be 'peak' or None")
     if start is not None and not isinstance(start, dict):
@@ -64,7 +65,7 @@ def _fit(where, sets, names, until, start, shared=None, balance=False):
         starts = [_linear_start(x, y, beta) for beta in np.geomspace(0.03, 0.5 * data.x.size, 12) / reach]
         parts.append(Part(data, starts, name, one.conditions, one.weight, cut=all_data.x.size - data.x.size))
     law = "s = s_max - (s_max - s_0) exp(-beta eps_D)"
-    settings = {"shared": shared, "balance": balance, "start": start, "where": where}
+    settings = {"shared": shared, "balance": balance, "loss": loss, "start": start, "where": where}
     result = fit_together(law, approach, parameters, parts, scales=(x_scale, y_scale), series=True, **settings)
     hints = [hint for name in names for hint in _slope_only(result, name)]
     return replace(result, verdict=Verdict((*result.verdict.reasons, *hints), result.verdict.remarks)) if hints else result

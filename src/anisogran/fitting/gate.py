@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
+from scipy.stats import norm
+from scipy.stats import t as student
+
 POINTS_PER_PARAMETER = 5
 STARTS = 8  # fewest starts from which a minimum counts as the lowest
 WORSE = 1.01  # a chi^2 above this multiple of the lowest is another minimum
@@ -96,12 +99,15 @@ def judge(evidence):
             object_to(f"{pair[0]} and {pair[1]} are not separated (correlation {correlation:.4f})", *pair)
     for name in evidence.at_bound:
         object_to(f"{name} = {evidence.values[name]:.4g} lies at the bound of its range", name)
+    # an error that is itself known from few points only stands for a wider interval
+    few = float(student.ppf(0.975, evidence.free) / norm.ppf(0.975)) if evidence.free > 0.0 else 1.0
+    words = f" with {evidence.free:.2g} degrees of freedom" if few > 1.2 else ""
     for name in names:
         error, size = evidence.errors[name], abs(evidence.sizes[name])
         if not isfinite(error):
             object_to(f"{name} has no error bar", name)
-        elif not error < RELATIVE_ERROR * size:
-            object_to(f"{name} = {evidence.values[name]:.4g} is uncertain by {error:.3g}", name)
+        elif not error * few < RELATIVE_ERROR * size:
+            object_to(f"{name} = {evidence.values[name]:.4g} is uncertain by {error:.3g}{words}", name)
     return tuple(reasons), undetermined
 
 

@@ -1,10 +1,12 @@
 """The one place where curves are fitted: scaled variables, many starts, errors that know of correlated residuals, the gate."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import lmfit
 import numpy as np
 
+from anisogran.fitting.bootstrap import resampled
 from anisogran.fitting.estimate import Estimate
 from anisogran.fitting.examination import figures, objections, remarks, together
 from anisogran.fitting.gate import Verdict
@@ -15,6 +17,10 @@ from anisogran.fitting.search import search
 from anisogran.fitting.sharing import Sharing, variables
 from anisogran.fitting.spread import spread
 from anisogran.outcome import InputError, NotConverged
+
+SAMPLES = 200  # of a bootstrap, unless told otherwise: errors are then known to 5 %
+_ROBUST = {"linear": 0, "soft_l1": 2}  # how often the typical residual is found again
+_EFFICIENT = 1.345  # bend of the loss in typical residuals: 95 % as good as least squares for Gaussian noise
 
 
 class Parameter(NamedTuple):
@@ -57,7 +63,19 @@ def fit_curve(law, curve, parameters, data, starts, *, scales, series, cut=0, st
 
 
 def fit_together(
-    law, curve, parameters, parts, *, scales, series, shared=None, balance=False, start=None, curve_of_data=None, where="fit_together"
+    law,
+    curve,
+    parameters,
+    parts,
+    *,
+    scales,
+    series,
+    shared=None,
+    balance=False,
+    loss="linear",
+    start=None,
+    curve_of_data=None,
+    where="fit_together",
 ):
     """The `FitResult` of the least-squares fit of one curve to the `Part`s at once; for the arguments see `fit_curve`.
 
@@ -68,8 +86,12 @@ def fit_together(
     it is long enough; with them they are taken as given, and enlarged if the scatter is larger (chi^2/free > 1). If the points are a
     `series` (neighbours in x are neighbours in one run) the variance is multiplied by the correlation time tau of the residuals,
     since only n/tau points are independent; this holds for noise that is short-ranged against the curve.
+    With loss="soft_l1" residuals count linearly, not squared, from about 1.3 typical ones on, so that outliers have little say; the
+    errors are then those of a bootstrap, since a covariance would be wrong.
     Raises InputError for a start or a sharing that names what there is not, NotConverged if no start gives a finite curve.
     """
+    if loss not in _ROBUST:
+        raise InputError(f"{where}: loss = {loss!r} must be 'linear' or 'soft_l1'")
     names = tuple(parameter.name for parameter in parameters)
     labels = [part.label for part in parts]
     index, owners = variables(where, names, labels, [part.conditions for part in parts], shared)
@@ -78,10 +100,17 @@ def fit_together(
     sets = _sets(where, parts, scales, balance)
     problem = Problem(curve, names, tuple(q.level for q in parameters), series, sets, index, lower, upper)
     given = _given(law, start, parameters)
-    theta, found = search(problem, [[*np.asarray(part.starts, dtype=float), *given] for part in parts])
+    starts = [[*np.asarray(part.starts, dtype=float), *given] for part in parts]
+    theta, found = search(problem, starts)
+    for _ in range(_ROBUST[loss]):
+        problem = replace(problem, bend=_EFFICIENT * _typical_residual(problem, theta))
+        theta, found = search(problem, starts)
     if not all(np.isfinite(one.chi_square) for one in found):
         raise NotConverged(f"{where}: the curve of {law} has no finite values from any of the starts")
     estimate = Estimate(problem, theta, spread(problem, theta), owners, units, scales)
+    if problem.bend is not None:
+        draws, _ = resampled(estimate, SAMPLES, seed=0)
+        estimate = estimate._replace(spread=replace(estimate.spread, covariance=np.atleast_2d(np.cov(draws, rowvar=False))))
     each = [figures(estimate, k, part.data.errors is not None) for k, part in enumerate(parts)]
     reasons, undetermined = objections(estimate, found, labels, each)
     errors = estimate.named(estimate.sigmas)
@@ -97,6 +126,7 @@ def fit_together(
         law=law,
         values=estimate.named(theta),
         errors={name: float("nan") if name in undetermined else abs(errors[name]) for name in owners},
+        errors_from="covariance" if problem.bend is None else "bootstrap",
         correlations=estimate.correlations,
         verdict=Verdict(tuple(reasons), tuple(remarks(estimate, found, parts, each, bool(given)))),
         table=table,
@@ -135,6 +165,12 @@ def _sets(where, parts, scales, balance):
         floor = 0.0 if part.data.errors is None else importance
         sets.append(Points(x, y, weight, part.data.distinct, part.known, floor, importance))
     return tuple(sets)
+
+
+def _typical_residual(problem, theta):
+    """The standard deviation of the residuals as their median tells it, outliers aside."""
+    left = np.concatenate([problem.raw(k, theta) for k in range(len(problem.sets))])
+    return 1.4826 * float(np.median(np.abs(left))) or 1.0
 
 
 def _all_variables(estimate, found, number):

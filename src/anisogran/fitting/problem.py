@@ -11,6 +11,7 @@ import numpy as np
 _COMPLEX_STEP = 1e-30
 _TOLERANCE = 1e-12  # of the minimiser, relative; its noise of rounding lies some decades lower
 _FEW = 500  # points up to which one data set is left as it is
+_INSIDE = 1e-9  # distance of a start from the bounds of its range, in units of the range
 _NOWHERE = 1e100  # residual where the curve has no finite value: worse than any other place, so that the minimiser steps back
 
 
@@ -53,11 +54,15 @@ class Problem:
     upper: np.ndarray
     bend: float | None = None
 
-    def residual(self, k, theta):
+    def raw(self, k, theta):
         """(curve - y) weight of data set k, shape (n_k,)."""
         points = self.sets[k]
         arguments = dict(zip(self.names, theta[self.index[k]], strict=True))
-        left = (self.curve(points.x, **arguments, **points.known) - points.y) * points.weight
+        return (self.curve(points.x, **arguments, **points.known) - points.y) * points.weight
+
+    def residual(self, k, theta):
+        """What is squared and summed: `raw`, bent if asked for."""
+        left = self.raw(k, theta)
         return left if self.bend is None else left / np.sqrt(0.5 + 0.5 * np.sqrt(1.0 + (left / self.bend) ** 2))
 
     def linearised(self, k, theta):
@@ -122,12 +127,15 @@ class _Minimiser(lmfit.Minimizer):
         pass
 
 
-def minimum(problem, guess, held=()):
+def minimum(problem, guess, held=(), tolerance=_TOLERANCE):
     """(theta, chi^2) of Levenberg-Marquardt from one start, inside the bounds; the variables numbered in `held` keep their values.
 
     chi^2 is inf where no place with a finite curve was found.
     """
     theta = np.array(guess, dtype=float)
+    inside = _INSIDE * (problem.upper - problem.lower)  # at a bound itself lmfit's substitution has no slope
+    theta = np.clip(theta, problem.lower + inside, problem.upper - inside)
+    theta[list(held)] = np.asarray(guess)[list(held)]
     free = np.setdiff1d(np.arange(theta.size), held)
     seen = {}
 
@@ -147,7 +155,7 @@ def minimum(problem, guess, held=()):
         # lmfit warns when it cannot have a covariance; errstate restores the floating-point settings, which it loses if a curve raises
         warnings.simplefilter("ignore")
         if free.size:
-            settings = {"ftol": _TOLERANCE, "xtol": _TOLERANCE, "Dfun": lambda table: at(table)[1].copy()}  # lmfit scales it in place
+            settings = {"ftol": tolerance, "xtol": tolerance, "Dfun": lambda table: at(table)[1].copy()}  # lmfit scales it in place
             answer = _Minimiser(lambda table: at(table)[0], table).leastsq(**settings)
             theta[free] = [parameter.value for parameter in answer.params.values()]
         chi_square = float(np.sum(problem.chi_squares(theta)))

@@ -6,8 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import t as student
 
+from anisogran.fitting.believed import comparison
+from anisogran.fitting.bootstrap import Bootstrap, resampled
 from anisogran.fitting.estimate import Estimate
 from anisogran.fitting.gate import Verdict
+from anisogran.fitting.profile import Profile, limits
 from anisogran.fitting.sharing import Sharing, nearest
 from anisogran.outcome import InputError
 
@@ -19,6 +22,7 @@ class FitResult:
     law           the fitted formula
     values        name: best value, in the units of the data
     errors        name: one standard error, correlated residuals included; nan if the data cannot determine the parameter
+    errors_from   "covariance", or "bootstrap" with a robust loss; `compare_errors` says which error to believe
     correlations  (name, name): correlation of the two estimates, nan without an error
     verdict       truthy only if the fit is trustworthy; `.reasons`, `.remarks`
     table         which variable each parameter of each data set is (`Sharing`, prints as a table)
@@ -37,6 +41,7 @@ class FitResult:
     values: dict
     errors: dict
     correlations: dict
+    errors_from: str
     verdict: Verdict
     table: Sharing
     points: int
@@ -80,12 +85,53 @@ class FitResult:
 
         Raises InputError for an unknown name or a level outside (0, 1).
         """
-        if name not in self.values or not 0.0 < level < 1.0:
-            raise InputError(f"interval: needs one of {', '.join(self.values)} and a level in (0, 1), got {name!r}, {level!r}")
+        self._check(name, level)
         if not np.isfinite(self.errors[name]):
             return float("nan"), float("nan")
         half = float(student.ppf(0.5 + 0.5 * level, self._estimate.spread.free_of[self._estimate.names.index(name)])) * self.errors[name]
         return self.values[name] - half, self.values[name] + half
+
+    def profile(self, name, level=0.95):
+        """The `Profile` of one parameter: limits that need not lie symmetrically, or an outcome that says why there are none.
+
+        A parameter that the verdict calls undetermined gets no interval; it may get one limit, if the other one is open.
+        Raises InputError as `interval`.
+        """
+        self._check(name, level)
+        if self.errors_from == "bootstrap":
+            return Profile(float("nan"), float("nan"), level, "a robust loss has no likelihood")
+        found = limits(self._estimate, name, level)
+        if not np.isfinite(self.errors[name]) and np.isfinite(found.low) == np.isfinite(found.high):
+            return Profile(float("nan"), float("nan"), level, found.outcome or "the data do not determine it, see the verdict")
+        return found
+
+    def bootstrap(self, samples=200, seed=0, block=None):
+        """The `Bootstrap` of all parameters: block bootstrap of the residuals, `block` points in a block (default: 4 correlation times).
+
+        Raises InputError for fewer than 20 samples, or a block that is no number of points.
+        """
+        if not (isinstance(samples, int) and samples >= 20 and (block is None or (isinstance(block, int) and block >= 1))):
+            raise InputError(f"bootstrap: samples = {samples!r} must be at least 20, block = {block!r} at least 1 or None")
+        scaled, lengths = resampled(self._estimate, samples, seed, block)
+        draws = dict(zip(self.values, (scaled * self._estimate.units).T, strict=True))
+        return Bootstrap(
+            draws=draws,
+            values=self.values,
+            errors={n: float(np.std(draws[n], ddof=1)) if np.isfinite(self.errors[n]) else float("nan") for n in self.values},
+            blocks=dict(zip(self.table.labels, lengths.tolist(), strict=True)),
+            samples=samples,
+            seed=seed,
+            failed=samples - len(scaled),
+            free=dict(zip(self.values, self._estimate.spread.free_of.tolist(), strict=True)),
+        )
+
+    def compare_errors(self, level=0.95, samples=200, seed=0):
+        """The `ErrorComparison`: intervals from covariance, profile and bootstrap side by side, and which one to believe."""
+        return comparison(self, level, samples, seed)
+
+    def _check(self, name, level):
+        if name not in self.values or not 0.0 < level < 1.0:
+            raise InputError(f"interval: needs one of {', '.join(self.values)} and a level in (0, 1), got {name!r}, {level!r}")
 
     def __str__(self):
         numbers = (f"{n} = {v:.5g} +- {self.errors[n]:.2g}" if np.isfinite(self.errors[n]) else f"{n} = {v:.5g} (not determined)"

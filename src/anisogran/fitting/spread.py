@@ -23,6 +23,7 @@ class Spread:
     free        degrees of freedom in independent points, n/tau - P
     free_of     (P,) those of the variance of each variable
     taus        (K,) correlation times, copies of points included;  variances  (K,) variance of a sum of residuals over its number
+    own         (K,) whether this is from the data set itself, or else from all
     signals, noises  (K,) range of the fitted curve, rms residual;  sizes  (P,) what an error is compared with
     say         (K, P) the share of a data set in what is known of a variable
     components  lists of data sets that share no variable with the others;  conditions  one for each, of the Jacobian
@@ -35,6 +36,7 @@ class Spread:
     free_of: np.ndarray
     taus: np.ndarray
     variances: np.ndarray
+    own: np.ndarray
     signals: np.ndarray
     noises: np.ndarray
     sizes: np.ndarray
@@ -59,7 +61,8 @@ def spread(problem, theta):
     sums = np.zeros(count)
     for k, points in enumerate(problem.sets):
         residual, jacobian = problem.linearised(k, theta)
-        signals[k], noises[k] = np.ptp(residual / points.weight + points.y), np.sqrt(np.mean((residual / points.weight) ** 2))
+        signals[k] = np.ptp(problem.raw(k, theta) / points.weight + points.y)
+        noises[k] = np.sqrt(np.mean((residual / points.weight) ** 2))
         sums[k] = residual @ residual
         taus[k] = _memory(residual, jacobian, points.distinct, problem.series and noises[k] > CONVERGED * signals[k])
         rotated = np.linalg.qr(jacobian, mode="r") if np.all(np.isfinite(jacobian)) else np.full((1, jacobian.shape[1]), np.nan)
@@ -84,7 +87,7 @@ def spread(problem, theta):
     say = np.divide(information, total, out=np.zeros_like(information), where=total > 0.0)
     free = float(np.sum(numbers / taus)) - P
     conditions = tuple(piece.condition for piece in pieces)
-    return Spread(covariance, plain, taken, free, free_of, taus, variances, signals, noises, sizes, say, groups, conditions)
+    return Spread(covariance, plain, taken, free, free_of, taus, variances, own, signals, noises, sizes, say, groups, conditions)
 
 
 class _Directions(NamedTuple):
