@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import anisogran as ag
 from anisogran.models import macro_cohesion, mohr_coulomb_line
 
 K1, K2 = 5e4, 1e5  # N/m; the slide gives their ratio 1/2; k2 = 1e5 N/m turns its c0 = 1.8e-3 k2 into 180 N/m
@@ -21,7 +22,14 @@ def main():
     c0 = float(factor @ slide / (factor @ factor))
     print(f"c = c0 (1 - k1/k2)/(1 + k2/kc), least squares through the origin, c of the slide: c0 = {c0:.0f} N/m (slide: 180)")
     print(f"Note: the formula gives c = 0 at kc = 0, where the table has {COHESION[0.0]} N/m; it cannot describe this point.")
+    together = all_at_once()
+    print(f"All ten stresses in one fit:\n{together.table}\n{together}")
     return {ratio: (float(np.degrees(phi)), c) for ratio, (phi, c) in lines.items()}, c0
+
+
+def all_at_once():
+    """The fit of phi and c0, shared by all adhesions, to the ten peak stresses."""
+    return ag.fit.cohesion(PRESSURES * len(PEAKS), np.repeat(list(PEAKS), 2) * K2, np.ravel(list(PEAKS.values())), K1, K2)
 
 
 if __name__ == "__main__":

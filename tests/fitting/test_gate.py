@@ -86,6 +86,7 @@ def test_a_local_minimum_is_no_answer():
         ({"free": -1.0}, "so correlated"),
         ({"errors": {"b": 0.6}}, "uncertain by 0.6"),
         ({"errors": {"b": float("nan")}}, "no error bar"),
+        ({"errors": {"b": 0.3}, "free": 2.0}, "uncertain by 0.3 with 2 degrees of freedom"),  # Student's t is 4.3, not 2
         ({"condition": 1e4}, "do not tell the parameters apart"),
         ({"at_bound": ("b",)}, "at the bound"),
         ({"sources": (source._replace(noise=0.5),)}, "not above 3 times"),
@@ -144,3 +145,5 @@ def test_what_cannot_be_fitted_is_refused_by_name(x, y, words):
 def test_a_verdict_reads_as_one_line():
     assert str(Verdict(("one", "two"), ("three",))) == "not trustworthy: one; two; three"
     assert not Verdict(("one",))
+    many = tuple(f"{number}" for number in range(9))
+    assert str(Verdict(many, many)) == "not trustworthy: 0; 1; 2; 3; 4; 5; 6; and 2 more; 0; 1; 2; 3; 4; 5; and 3 more"

@@ -21,3 +21,9 @@ def test_the_table_of_the_lecture_is_found_again(capsys):
     printed = capsys.readouterr().out
     assert "c0 = 176 N/m" in printed
     assert "c = 0 at kc = 0, where the table has 11" in printed
+    together = script.all_at_once()
+    assert together.verdict, str(together)
+    assert together.values["phi"] == pytest.approx(0.2301, abs=1e-4)  # 13.2 degrees
+    assert together.values["c0"] == pytest.approx(176.0, abs=together.errors["c0"])  # that of the five cohesions of the slide
+    assert together.errors["c0"] == pytest.approx(7.9, abs=0.1)
+    assert str(together.table) in printed

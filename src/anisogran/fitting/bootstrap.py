@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from anisogran.fitting.problem import minimum
+from anisogran.fitting.problem import follow
 from anisogran.outcome import InputError
 
 _BLOCK = 4.0  # length of a block in correlation times
@@ -68,7 +68,7 @@ def resampled(estimate, samples, seed, block=None):
         ]
         for group, (part, used) in zip(estimate.spread.components, parts, strict=True):
             again = replace(part, sets=tuple(sets[k] for k in group))
-            theta, chi_square = minimum(again, estimate.theta[used], tolerance=_TOLERANCE)
+            theta, chi_square = follow(again, estimate.theta[used], tolerance=_TOLERANCE)
             if np.isfinite(chi_square):
                 draw[used] = theta
     return draws[np.all(np.isfinite(draws), axis=1)], lengths

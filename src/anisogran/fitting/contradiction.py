@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import f as fisher
 
-from anisogran.fitting.problem import minimum
+from anisogran.fitting.problem import follow
 from anisogran.fitting.spread import CONVERGED, spread
 
 CONTRADICTED = 1e-3  # an F-test below this says that the data sets do not share what they are said to share
@@ -35,7 +35,7 @@ def contradiction(problem, theta, apart, rank):
     rounding = CONVERGED * about.signals * np.array([points.weight.max() for points in problem.sets])
     scale = 1.0 / np.sqrt(np.maximum(about.variances, rounding**2))
     separate = float(np.sum(alone.weighted(scale).chi_squares(apart)))
-    _, joint = minimum(problem.weighted(scale), theta)
+    _, joint = follow(problem.weighted(scale), theta)
     ratio = max(joint - separate, 0.0) / saved
     return Contradiction(float(fisher.sf(ratio, saved, freedom)), joint / separate, _worst(problem, apart, about))
 

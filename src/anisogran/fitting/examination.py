@@ -7,7 +7,6 @@ from anisogran.fitting.gate import ORDERED_SIGNS, RANDOM_SIGNS, Evidence, Source
 from anisogran.fitting.residuals import runs_test
 from anisogran.fitting.spread import CONVERGED
 
-_AT_BOUND = 1e-6  # this close to a bound, in units of the range of the parameter, is at the bound
 _DOMINATES = 0.9  # share of what is known of a shared parameter
 _LONG = 5  # points per parameter from which a data set tells its noise
 _UNEQUAL = 3.0  # ratio of noises above which data sets should have been given errors
@@ -56,14 +55,9 @@ def objections(estimate, found, labels, each):
             reasons += doubt
             undetermined.update(names if doubt else ())
         if not estimate.problem.series:
-            for k in group:
-                if each[k]["runs_p"] < ORDERED_SIGNS and _long_runs(
-                    estimate.problem.raw(k, estimate.theta)[estimate.problem.sets[k].distinct]
-                ):
-                    reasons.append(
-                        f"{_where(labels, k)}structure left in residuals of independent points (runs test p = {each[k]['runs_p']:.1e})"
-                    )
-                    undetermined.update(estimate.names[i] for i in estimate.problem.index[k])
+            for k in (k for k in group if _wrong_law(estimate.problem, k, estimate.theta, each[k])):
+                reasons.append(f"{_where(labels, k)}the law is wrong for independent points: long runs of one sign in the residuals")
+                undetermined.update(estimate.names[i] for i in estimate.problem.index[k])
     return reasons, undetermined
 
 
@@ -88,7 +82,7 @@ def _evidence(estimate, one, group, labels, number):
         errors={name: abs(errors[name]) for name in names},
         sizes={name: sizes[name] for name in names},
         correlations={pair: value for pair, value in estimate.correlations.items() if set(pair) <= set(names)},
-        at_bound=tuple(estimate.names[i] for i in one.variables if _at_bound(problem.lower[i], problem.upper[i], estimate.theta[i])),
+        at_bound=tuple(estimate.names[i] for i in one.variables if problem.at_bound(estimate.theta)[i]),
         condition=about.conditions[number],
         chi_square=one.all_chi_squares[one.best],
         all_chi_squares=one.all_chi_squares,
@@ -107,18 +101,12 @@ def _doubt(estimate, one, group):
     ]
 
 
-def _long_runs(residual):
-    """Whether signs change less often than by chance; alternation is no sign of a wrong law."""
-    signs = residual[residual != 0.0] > 0.0
+def _wrong_law(problem, k, theta, figures):
+    """Whether signs change far less often than by chance; alternation is no sign of a wrong law."""
+    left = problem.raw(k, theta)[problem.sets[k].distinct]
+    signs = left[left != 0.0] > 0.0
     above = int(signs.sum())
-    return np.count_nonzero(signs[1:] != signs[:-1]) < 2.0 * above * (signs.size - above) / signs.size
-
-
-def _at_bound(lower, upper, value):
-    margin = _AT_BOUND * (upper - lower)
-    if lower > 0.0:  # a rate: the low end of a range over decades is near in ratio, not in difference
-        return value < lower * (1.0 + 1e-3) or value > upper - margin
-    return not lower + margin < value < upper - margin
+    return figures["runs_p"] < ORDERED_SIGNS and np.count_nonzero(signs[1:] != signs[:-1]) < 2.0 * above * (signs.size - above) / signs.size
 
 
 def _where(labels, k):

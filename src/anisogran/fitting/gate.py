@@ -7,6 +7,7 @@ from typing import NamedTuple
 from scipy.stats import norm
 from scipy.stats import t as student
 
+READABLE = 6  # sentences of a kind that a verdict prints; it may hold more
 POINTS_PER_PARAMETER = 5
 STARTS = 8  # fewest starts from which a minimum counts as the lowest
 WORSE = 1.01  # a chi^2 above this multiple of the lowest is another minimum
@@ -31,8 +32,14 @@ class Verdict:
         return not self.reasons
 
     def __str__(self):
-        word = "trustworthy" if self else "not trustworthy"
-        return "; ".join([f"{word}: {self.reasons[0]}" if self.reasons else word, *self.reasons[1:], *self.remarks])
+        words = ["trustworthy"] if self else [f"not trustworthy: {self.reasons[0]}", *_first(self.reasons[1:])]
+        return "; ".join([*words, *_first(self.remarks)])
+
+
+def _first(sentences):
+    """As many as can be read in one line."""
+    more = len(sentences) - READABLE
+    return sentences if more <= 0 else [*sentences[:READABLE], f"and {more} more"]
 
 
 class Source(NamedTuple):

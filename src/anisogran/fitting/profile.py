@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import t as student
 
-from anisogran.fitting.problem import minimum
+from anisogran.fitting.problem import follow
 from anisogran.fitting.spread import CONVERGED
 
 _DOUBLINGS = 40  # of the step away from the minimum, before the search for a limit is given up
@@ -42,6 +42,8 @@ def limits(estimate, name, level):
     if np.all(estimate.spread.noises[group] <= CONVERGED * estimate.spread.signals[group]):
         return Profile(float("nan"), float("nan"), level, "the data have no noise")
     threshold = variance * float(student.ppf(0.5 + 0.5 * level, free)) ** 2
+    if np.any(problem.at_bound(theta)):
+        return Profile(float("nan"), float("nan"), level, "the minimum itself lies at the bound of a range")
     walk = _Walk(problem, theta, mine, threshold)
     step = sigma * np.sqrt(threshold / variance)
     ends = [walk.limit(side, step) for side in (-1.0, 1.0)][:: 1 if estimate.units[i] > 0.0 else -1]
@@ -70,14 +72,15 @@ class _Walk:
         """(value, why not) where chi^2 has risen by the threshold."""
         start = float(self.theta[self.mine])
         bound = float(self.problem.upper[self.mine] if side > 0.0 else self.problem.lower[self.mine])
-        near, heights, followers = start, {start: -1.0}, [self.theta]
+        near, found = start, {start: (self.theta, -1.0)}
+        followers = [self.theta]
 
         def height(value):
-            if value not in heights:
-                tries = [self._follow(value, guess) for guess in followers]
-                theta, heights[value] = min(tries, key=lambda one: one[1])
-                followers[1:] = [theta] if heights[value] <= 0.0 else followers[1:]
-            return heights[value]
+            if value not in found:
+                found[value] = min((self._follow(value, guess) for guess in followers), key=lambda one: one[1])
+                if found[value][1] <= 0.0:
+                    followers[1:] = [found[value][0]]
+            return found[value][1]
 
         for doubling in range(_DOUBLINGS):
             value = start + side * step * 2.0**doubling
@@ -86,7 +89,11 @@ class _Walk:
                 return float("nan"), f"there is a lower minimum (found at {value:.4g} in scaled units)"
             if height(value) >= 0.0:
                 # brentq sees the heights already found, so that the two signs differ whatever the inner minimisation does
-                return float(brentq(height, near, value, xtol=_PRECISION * step, rtol=1e-12)), ""
+                end = float(brentq(height, near, value, xtol=_PRECISION * step, rtol=1e-12))
+                height(end)
+                if np.any(np.delete(self.problem.at_bound(found[end][0]), self.mine)):
+                    return side * float("inf"), "chi^2 rises only because another parameter is at the bound of its range"
+                return end, ""
             if value == bound:
                 break
             near = value
@@ -96,5 +103,5 @@ class _Walk:
         """(theta, height) with this variable at `value` and the others at their best, from a guess; 0 is the limit, -1 the minimum."""
         guess = guess.copy()
         guess[self.mine] = value
-        theta, chi_square = minimum(self.problem, guess, held=[self.mine])
+        theta, chi_square = follow(self.problem, guess, held=[self.mine])
         return theta, min((chi_square - self.lowest) / self.threshold, 1e6) - 1.0
