@@ -17,11 +17,15 @@ def main():
     print("kc/k2   phi [deg]   c [N/m]   c on the slide (phi about 13 deg)")
     for ratio, (phi, c) in lines.items():
         print(f"{ratio:5.1f}   {np.degrees(phi):9.1f}   {c:7.1f}   {COHESION[ratio]:8d}")
-    factor = np.array([macro_cohesion(1.0, K1, K2, ratio * K2) for ratio in COHESION])
-    slide = np.array(list(COHESION.values()))
+    sticky = [ratio for ratio in COHESION if ratio > 0.0]  # at kc = 0 the formula gives c = 0 for any c0: no information on c0
+    factor = np.array([macro_cohesion(1.0, K1, K2, ratio * K2) for ratio in sticky])
+    slide = np.array([COHESION[ratio] for ratio in sticky])
     c0 = float(factor @ slide / (factor @ factor))
+    error = float(np.sqrt(np.sum((slide - c0 * factor) ** 2) / (len(sticky) - 1) / (factor @ factor)))
     print(f"c = c0 (1 - k1/k2)/(1 + k2/kc), least squares through the origin, c of the slide: c0 = {c0:.0f} N/m (slide: 180)")
-    print(f"Note: the formula gives c = 0 at kc = 0, where the table has {COHESION[0.0]} N/m; it cannot describe this point.")
+    print(f"  +- {error:.0f} N/m, one standard error from {len(sticky)} points with {len(sticky) - 1} degrees of freedom")
+    print(f"Note: the formula gives c = 0 at kc = 0, where the table has {COHESION[0.0]} N/m; it cannot describe this point. There is no")
+    print("attraction; that the tangent has an intercept is put down to the yield line, which is not straight for soft grains.")
     together = all_at_once()
     print(f"All ten stresses in one fit:\n{together.table}\n{together}")
     return {ratio: (float(np.degrees(phi)), c) for ratio, (phi, c) in lines.items()}, c0

@@ -20,6 +20,8 @@ def test_the_table_of_the_lecture_is_found_again(capsys):
     assert c0 == pytest.approx(176.0, abs=0.5)
     printed = capsys.readouterr().out
     assert "c0 = 176 N/m" in printed
+    assert "+- 5 N/m, one standard error from 4 points with 3 degrees of freedom" in printed  # by hand: 4.8
+    assert "c0 = 174.58 +- 7.9; trustworthy" in printed  # the ten peaks themselves
     assert "c = 0 at kc = 0, where the table has 11" in printed
     together = script.all_at_once()
     assert together.verdict, str(together)

@@ -5,20 +5,31 @@ from anisogran.fitting.band_profile import shear_band
 from anisogran.fitting.exponential_approach import relaxation, relaxations
 from anisogran.fitting.exponential_tail import exponential_decay
 from anisogran.fitting.gate import Verdict
+from anisogran.fitting.implied_modulus import ComparedB, compared_B
+from anisogran.fitting.inertial_density import area_fraction
 from anisogran.fitting.inertial_friction import mu_of_I
+from anisogran.fitting.initial_slope import initial_moduli
 from anisogran.fitting.observations import DataSet
+from anisogran.fitting.probes import probed_moduli
 from anisogran.fitting.result import FitResult
+from anisogran.fitting.whole_curve import path_moduli
 from anisogran.fitting.yield_line import mohr_coulomb, mohr_coulomb_lines
 
 __all__ = [
+    "ComparedB",
     "DataSet",
     "FitResult",
     "Verdict",
+    "area_fraction",
     "cohesion",
+    "compared_B",
     "exponential_decay",
+    "initial_moduli",
     "mohr_coulomb",
     "mohr_coulomb_lines",
     "mu_of_I",
+    "path_moduli",
+    "probed_moduli",
     "relaxation",
     "relaxations",
     "shear_band",
