@@ -9,7 +9,7 @@ import typer
 from anisogran import __version__
 from anisogran.outcome import InputError, Interrupted, NotConverged, RunFailed
 
-OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 4, 130
+OK, BAD_INPUT, RUN_FAILED, NOT_CONVERGED, NOT_TRUSTWORTHY, INTERRUPTED = 0, 2, 3, 4, 5, 130
 
 app = typer.Typer(
     help="From particle simulations to continuum theory for granular matter.", add_completion=False,

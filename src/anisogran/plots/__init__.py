@@ -4,6 +4,7 @@ from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
 from anisogran.plots.costs import cost_figure
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.element import element_figure
+from anisogran.plots.fits import FittedCurve, fit_figure
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
 from anisogran.plots.mohr_circles import mohr_circles_figure
@@ -13,6 +14,7 @@ from anisogran.plots.stiffness import stiffness_figure
 from anisogran.plots.style import figure
 
 __all__ = [
+    "FittedCurve",
     "biaxial_curves",
     "chain_figure",
     "contact_law_figure",
@@ -23,6 +25,7 @@ __all__ = [
     "element_figure",
     "field_map",
     "figure",
+    "fit_figure",
     "friction_law",
     "mohr_circles_figure",
     "packings",
