@@ -114,14 +114,13 @@ def test_every_kind_fits_a_table_of_its_own_columns(rng, tmp_path, capsys):
     c = np.array([macro_cohesion(180.0, 5e4, 1e5, one) for one in kc])
     turn = np.linspace(0.0, 0.004, 400)
     wave = 0.001 * np.sin(1000 * turn)
-    law = ag.models.ScalarParameters(E=2e4, B=1e4, s_max=0.4, A_max=0.0, beta_F=0.0)
-    states = [ag.models.ScalarState(100.0, 0.0, 0.0)]
-    for step in np.diff([wave, turn]).T:
-        states.append(ag.models.scalar_step(states[-1], tuple(step), law)[0])
-    curve = {"eps_V": wave, "eps_D": turn, "sigma_V": [one.sigma_V for one in states], "sigma_D": [one.sigma_D for one in states]}
-    law = ag.models.ScalarParameters(E=2e4, B=1e4, s_max=0.4, A_max=5e3, beta_F=30.0)
-    test = ag.models.isobaric_biaxial(np.linspace(0.0, 0.1, 400), 100.0, law)
-    box = {"eps_V": test.eps_V, "eps_D": test.eps_D, "sigma_zz": test.sigma_zz, "sigma_xx": test.sigma_xx, "anisotropy": test.A / 5e3}
+    law = {"E": 2e4, "B": 1e4, "s_max": 0.4, "A_max": 0.0, "beta_F": 0.0}
+    test = ag.element_test("scalar", law, {"eps_V": wave, "eps_D": turn}, 100.0)
+    curve = {"eps_V": wave, "eps_D": turn, "sigma_V": test.sigma_V, "sigma_D": test.sigma_D}
+    law = law | {"A_max": 5e3, "beta_F": 30.0}
+    test = ag.element_test("scalar", law, ag.models.biaxial(np.linspace(0.0, 0.1, 400), 100.0))
+    structure = test.internal["A"] / 5e3
+    box = {"eps_V": test.eps_V, "eps_D": test.eps_D, "sigma_zz": test.sigma_zz, "sigma_xx": test.sigma_xx, "anisotropy": structure}
     tables = {
         "relaxation": (evolution(rng), {"s_max": 0.4}),
         "mohr_coulomb": ({"p": p, "sigma_zz": peak_stress(p, 0.23, 40.0) + rng.normal(size=20)}, {"phi": 0.23}),

@@ -19,7 +19,7 @@ def path_moduli(eps_V, eps_D, sigma_V, sigma_D, s_max=None, structure=None):
         d sigma_V = E d eps_V + S A d eps_D        S = 1 - sgn(d eps_D) s_D/s_max
         d sigma_D = A d eps_V + S B d eps_D        A = A_max structure
 
-    S stands on the whole eps_D column, as in `models.scalar_step`. Rows of shape (n,) in the order of loading, half/half, compression
+    S stands on the whole eps_D column, as in the scalar law of `models`. Rows of shape (n,) in the order of loading, half/half, compression
     positive; moduli have the unit of stress. `structure`, shape (n,), is the known evolution of A/A_max, such as the anisotropy of the
     fabric over its largest value; None is a constant A. `s_max`, if given, is taken as exact. Give no points after the peak.
     The stresses are fitted, not their increments, in which neighbouring samples of noise drown the signal: the right-hand sides are
