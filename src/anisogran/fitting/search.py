@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.fitting.problem import minimum
+from anisogran.fitting.problem import follow, minimum
 from anisogran.fitting.spread import components
 
-_MANY = 4000  # data sets with more points are thinned while the starts are tried, and the best one is polished on all
+_ROUGH = 1e-6  # tolerance of the minimiser for all starts, far below the hundredth by which minima are told apart
+_MANY = 4000  # data sets with more points are thinned while the starts are tried; the best one is polished on all
 
 
 class Found(NamedTuple):
@@ -45,12 +46,10 @@ def search(problem, starts):
 def lowest(problem, starts):
     """The `Found` of a problem whose data sets all belong together, from guesses of shape (P,)."""
     thin = problem.thinned(_MANY)
-    tried = [minimum(thin, guess) for guess in starts]
+    tried = [minimum(thin, guess, tolerance=_ROUGH) for guess in starts]
     chi_squares = tuple(chi_square for _, chi_square in tried)
     best = int(np.argmin(chi_squares))
-    theta, chi_square = tried[best]
-    if any(points.x.size > _MANY for points in problem.sets):
-        theta, chi_square = minimum(problem, theta)
+    theta, chi_square = follow(problem, tried[best][0])
     return Found(np.arange(theta.size), theta, chi_square, chi_squares, starts, best, theta)
 
 
