@@ -61,6 +61,16 @@ def test_a_profile_without_a_limit_is_an_outcome_not_an_error(rng):
     assert profile.outcome == "no upper limit: chi^2 rises only because another parameter is at the bound of its range"
 
 
+def test_an_interval_is_withheld_where_the_verdict_says_undetermined(rng):
+    I = np.geomspace(1e-3, 0.02, 40)
+    slow = mu_of_I(I, mu_saturating(I, 0.25, 0.55, 0.2) + 2e-4 * rng.normal(size=40), law="saturating")
+    assert "not separated (correlation" in str(slow.verdict)
+    profile = slow.profile("I0")
+    assert isnan(profile.low)
+    assert isnan(profile.high)
+    assert profile.outcome == "the data do not determine it, see the verdict"
+
+
 @pytest.mark.parametrize(
     ("x", "y"),
     [
@@ -133,6 +143,7 @@ def test_copies_of_points_shrink_no_error(rng, copies):
     assert often.values == pytest.approx(once.values, rel=1e-6)  # minimiser: root of 1e-12
     assert often.errors == pytest.approx(once.errors, rel=1e-3)  # the search for tau
     assert f"occur {copies} times on average, copies do not shrink the errors" in str(often.verdict)
+    assert "structure left" not in str(often.verdict)  # neighbours of one sign, but only since they are one point
     many, few = often.bootstrap(300), once.bootstrap(300)
     for name in once.values:
         assert many.errors[name] == pytest.approx(few.errors[name], rel=0.2)  # 300 samples of each: 6 %

@@ -104,8 +104,23 @@ def test_weights_do_not_shrink_errors(rng):
     light, loud = relaxations(sets, {"beta": "all"}), relaxations(heavy, {"beta": "all"})
     assert loud.values == pytest.approx(light.values, rel=MINIMISER)
     assert loud.errors == pytest.approx(light.errors, rel=1e-5)  # the search for tau
-    errors = [DataSet(one.x, one.y, np.full(100, 0.01), conditions=one.conditions, weight=100.0) for one in sets]
-    assert relaxations(errors, {"beta": "all"}).errors == pytest.approx(light.errors, rel=0.2)  # scatter of the noise of each set
+    for weight in (1.0, 100.0):  # errors that were given ten times too large are believed, whatever the weight
+        given = [DataSet(one.x, one.y, np.full(100, 0.1), conditions=one.conditions, weight=weight) for one in sets]
+        assert relaxations(given, {"beta": "all"}).errors["beta"] == pytest.approx(10.0 * light.errors["beta"], rel=0.15)  # noise and tau
+
+
+def test_weights_do_not_shrink_the_errors_of_short_data_sets(rng):
+    """Two points tell no noise of their own, they take that of all."""
+    p, few = np.linspace(100.0, 500.0, 20), np.array([100.0, 500.0])
+    stress = peak_stress(p, 0.23, 10.0) + 2.0 * rng.normal(size=20), peak_stress(few, 0.23, 10.0) + 2.0 * rng.normal(size=2)
+
+    def errors(weight):
+        sets = [DataSet(x, y, label=label, weight=weight) for x, y, label in zip((p, few), stress, ("long", "short"), strict=True)]
+        result = mohr_coulomb_lines(sets, {"phi": "all", "c": "all"})
+        return result.errors
+
+    assert all(error > 0.0 for error in errors(1.0).values())
+    assert errors(100.0) == pytest.approx(errors(1.0), rel=1e-9)  # rounding
 
 
 @pytest.mark.parametrize(
