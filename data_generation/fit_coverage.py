@@ -70,11 +70,11 @@ def coverage(rng, kind, name, trials, samples):
     return {way: (shares[way].min(), shares[way].max(), trusted / trials, seconds[way] / trials) for way in WAYS}
 
 
-def sizes(rng, seeds):
+def sizes(rng, seeds, numbers):
     """{samples: (relative scatter of the error of beta over seeds, seconds)}."""
     result, _ = fit(rng, 0.0, 100, (0.4,))
     table = {}
-    for samples in SIZES:
+    for samples in numbers:
         clock = time.perf_counter()
         errors = [result.bootstrap(samples, seed).errors["beta"] for seed in range(seeds)]
         table[samples] = np.std(errors) / np.mean(errors), (time.perf_counter() - clock) / seeds
@@ -84,20 +84,20 @@ def sizes(rng, seeds):
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file")
-    parser.add_argument("--quick", action="store_true", help="a tenth of the trials")
+    parser.add_argument("--quick", action="store_true", help="a few trials and small bootstraps, to see that it runs")
     options = parser.parse_args(arguments)
     check_writable(options.file)
-    trials, seeds = (20, 4) if options.quick else (200, 20)
+    trials, seeds, samples = (4, 3, 20) if options.quick else (200, 20, 200)
     rng = np.random.default_rng(20050603)
     rows = {}
     print(f"{trials} trials; share of 95 % intervals that hold the truth, over the parameters from the worst to the best")
     print(f"{'noise':>12} {'fit':>17} {'way':>11} {'lowest':>7} {'highest':>8} {'trusted':>8} {'seconds':>8}")
     for name in NOISES:
         for kind in KINDS:
-            for way, row in coverage(rng, kind, name, trials, samples=200).items():
+            for way, row in coverage(rng, kind, name, trials, samples).items():
                 rows[name, kind, way] = row
                 print(f"{name:>12} {kind:>17} {way:>11} {row[0]:7.3f} {row[1]:8.3f} {row[2]:8.3f} {row[3]:8.3f}", flush=True)
-    table = sizes(rng, seeds)
+    table = sizes(rng, seeds, SIZES[:2] if options.quick else SIZES)
     print("samples of the bootstrap   scatter of its error    seconds")
     for samples, (scatter, seconds) in table.items():
         print(f"{samples:24d} {scatter:22.3f} {seconds:10.2f}")

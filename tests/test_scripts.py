@@ -4,6 +4,7 @@ import importlib.util
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -80,3 +81,14 @@ def test_every_script_is_tested():
     here = Path(__file__).read_text() + (Path(__file__).parent / "fitting" / "test_lecture_cohesion.py").read_text()
     for path in [*(ROOT / "data_generation").glob("*.py"), *(ROOT / "fits").glob("*.py")]:
         assert path.name in here or path.stem in here, f"{path.name} is not tested"
+
+
+def test_fit_coverage(tmp_path, capsys):
+    path = tmp_path / "coverage.h5"
+    rows, sizes = script(ROOT / "data_generation" / "fit_coverage.py").main([str(path), "--quick"])
+    assert len(rows) == 12  # two noises, two kinds of fit, three ways
+    assert all(0.0 <= lowest <= highest <= 1.0 and trusted > 0.5 for lowest, highest, trusted, _ in rows.values())
+    assert np.mean([highest for _, highest, _, _ in rows.values()]) > 0.9  # 4 trials of 95 %, the best of the parameters
+    assert list(sizes) == [50, 100]
+    assert path.stat().st_size > 1000
+    assert "remembering  three share beta" in capsys.readouterr().out
