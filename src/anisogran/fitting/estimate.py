@@ -27,10 +27,11 @@ class Estimate(NamedTuple):
         """One standard error of each scaled variable, nan if there is none."""
         return np.sqrt(np.diag(self.spread.covariance))
 
-    @property
-    def correlations(self):
-        """{(name, name): correlation of the two estimates}."""
-        covariance, sigma = self.spread.covariance * np.outer(np.sign(self.units), np.sign(self.units)), self.sigmas
+    def correlations(self, variables=slice(None)):
+        """{(name, name): correlation of the two estimates} of these variables, nan without an error."""
+        names, units = np.array(self.names)[variables].tolist(), np.sign(self.units[variables])
+        covariance = self.spread.covariance[variables][:, variables] * np.outer(units, units)
+        sigma = np.sqrt(np.diag(covariance))
         product = np.outer(sigma, sigma)
-        matrix = np.divide(covariance, product, out=np.full(covariance.shape, np.nan), where=product > 0.0)
-        return {(a, b): float(matrix[i, j]) for i, a in enumerate(self.names) for j, b in enumerate(self.names) if i < j}
+        matrix = np.divide(covariance, product, out=np.full(covariance.shape, np.nan), where=product > 0.0).tolist()
+        return {(a, b): matrix[i][j] for i, a in enumerate(names) for j, b in enumerate(names[i + 1 :], start=i + 1)}

@@ -81,7 +81,7 @@ def _evidence(estimate, one, group, labels, number):
         values={name: values[name] for name in names},
         errors={name: abs(errors[name]) for name in names},
         sizes={name: sizes[name] for name in names},
-        correlations={pair: value for pair, value in estimate.correlations.items() if set(pair) <= set(names)},
+        correlations=estimate.correlations(one.variables),
         at_bound=tuple(estimate.names[i] for i in one.variables if problem.at_bound(estimate.theta)[i]),
         condition=about.conditions[number],
         chi_square=one.all_chi_squares[one.best],

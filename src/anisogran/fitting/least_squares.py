@@ -127,7 +127,7 @@ def fit_together(
         values=estimate.named(theta),
         errors={name: float("nan") if name in undetermined else abs(errors[name]) for name in owners},
         errors_from="covariance" if problem.bend is None else "bootstrap",
-        correlations=estimate.correlations,
+        correlations=estimate.correlations(),
         verdict=Verdict(tuple(reasons), tuple(remarks(estimate, found, parts, each, bool(given)))),
         table=table,
         points=sum(points.x.size for points in sets),
