@@ -1,8 +1,14 @@
-"""Macroscopic cohesion from peak stresses on a slide of S. Luding's lecture, "Cohesion - no friction": no simulation needed."""
+"""Macroscopic cohesion from peak stresses on a slide of S. Luding's lecture: `python fits/lecture_cohesion.py [FIGURE.png]`.
+
+Slide "Cohesion - no friction"; no simulation needed.
+"""
+
+import sys
 
 import numpy as np
 
 import anisogran as ag
+from anisogran import plots
 from anisogran.models import macro_cohesion, mohr_coulomb_line
 
 K1, K2 = 5e4, 1e5  # N/m; the slide gives their ratio 1/2; k2 = 1e5 N/m turns its c0 = 1.8e-3 k2 into 180 N/m
@@ -11,8 +17,8 @@ PEAKS = {0.0: (183, 798), 0.5: (234, 853), 1.0: (264, 915), 2.0: (310, 941), 4.0
 COHESION = {0.0: 11, 0.5: 32, 1.0: 40, 2.0: 60, 4.0: 71}  # N/m, as printed on the slide
 
 
-def main():
-    """Print the table; return {kc/k2: (phi in degrees, c)} and c0, both in N/m."""
+def main(figure=None):
+    """Print the table, save stress circles and lines if a file is named; return {kc/k2: (phi in degrees, c)} and c0, both in N/m."""
     lines = {ratio: mohr_coulomb_line(PRESSURES, peaks) for ratio, peaks in PEAKS.items()}
     print("kc/k2   phi [deg]   c [N/m]   c on the slide (phi about 13 deg)")
     for ratio, (phi, c) in lines.items():
@@ -28,6 +34,9 @@ def main():
     print("attraction; that the tangent has an intercept is put down to the yield line, which is not straight for soft grains.")
     together = all_at_once()
     print(f"All ten stresses in one fit:\n{together.table}\n{together}")
+    if figure is not None:
+        circles = {f"$k_c/k_2$ = {ratio:g}": (PRESSURES, peaks) for ratio, peaks in PEAKS.items()}
+        plots.mohr_circles_figure(circles).savefig(figure, dpi=150)
     return {ratio: (float(np.degrees(phi)), c) for ratio, (phi, c) in lines.items()}, c0
 
 
@@ -37,4 +46,4 @@ def all_at_once():
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:2])
