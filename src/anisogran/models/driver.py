@@ -57,6 +57,8 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
         for _ in range(MOST_HALVINGS):
             if code == OK or iteration == 0:
                 break
+            if code == RESOLUTION:  # Newton runs off to where the stress no longer grows
+                return new, NOT_REACHABLE
             met = code
             for j in range(3):  # too far, into a state that the law does not know
                 x[j] *= 0.5

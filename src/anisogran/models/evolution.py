@@ -10,7 +10,7 @@ form is the same law in any direction, carried along by the rotation of the mate
 import numpy as np
 
 from anisogran.compiled import kernel, subkernel
-from anisogran.models.point import size
+from anisogran.models.first_order import cosine_and_sine, exponential, size
 from anisogran.outcome import InputError, checked
 
 
@@ -34,31 +34,36 @@ def relax(x0, x_max, beta, d_eps_D):
 
 
 @subkernel
-def relaxed_vector(first, second, limit, beta, eps_1, eps_2, spin):
-    """The vector a of a deviator after `relax_tensor`'s law; plain numbers, real or complex."""
+def relaxation(limit, beta, eps_1, eps_2, spin):
+    """What `relax_tensor`'s law does to any vector a of a deviator: (k_r, k_i, gain_1, gain_2), for `relaxed`; numbers real or complex."""
     b = beta * size(eps_1, eps_2)
     w = 2.0 * spin
-    decay = np.exp(-b)
-    c, s = np.cos(w), np.sin(w)
+    decay = exponential(-b)
+    c, s = cosine_and_sine(w)
     # the mean of exp(z t) over 0 < t < 1 with z = -b + i w, as (real, imaginary)
     square = b * b + w * w
-    if square.real > 1e-5 or square.real < -1e-5:
-        up, side = decay * c - 1.0, decay * s
-        mean_r, mean_i = (side * w - up * b) / square, -(side * b + up * w) / square
+    if square.real > 1e-5:
+        up, side, over = decay * c - 1.0, decay * s, 1.0 / square
+        mean_r, mean_i = (side * w - up * b) * over, -(side * b + up * w) * over
     else:  # the closed form would cancel; the first term left out, |z|^5/720, is rounding
-        mean_r = 1.0 - b / 2.0 + (b * b - w * w) / 6.0 - b * (b * b - 3.0 * w * w) / 24.0 + (square * square - 8.0 * b * b * w * w) / 120.0
-        mean_i = w * (0.5 - b / 3.0 + (3.0 * b * b - w * w) / 24.0 - b * (b * b - w * w) / 30.0)
+        mean_r, mean_i = 1.0 - 0.2 * b, 0.2 * w
+        for share in (1 / 4, 1 / 3, 1 / 2):
+            mean_r, mean_i = 1.0 - share * (b * mean_r + w * mean_i), share * (w * mean_r - b * mean_i)
     gain_1, gain_2 = beta * limit * eps_1, beta * limit * eps_2
-    return (
-        decay * (c * first - s * second) + mean_r * gain_1 - mean_i * gain_2,
-        decay * (s * first + c * second) + mean_r * gain_2 + mean_i * gain_1,
-    )
+    return decay * c, decay * s, mean_r * gain_1 - mean_i * gain_2, mean_r * gain_2 + mean_i * gain_1
+
+
+@subkernel
+def relaxed(first, second, change):
+    """The vector after a `relaxation`."""
+    k_r, k_i, gain_1, gain_2 = change
+    return k_r * first - k_i * second + gain_1, k_i * first + k_r * second + gain_2
 
 
 @kernel
 def _relax_all(a, limit, beta, strain, spin, out):
     for n in range(a.shape[1]):
-        out[0, n], out[1, n] = relaxed_vector(a[0, n], a[1, n], limit, beta, strain[0, n], strain[1, n], spin[n])
+        out[0, n], out[1, n] = relaxed(a[0, n], a[1, n], relaxation(limit, beta, strain[0, n], strain[1, n], spin[n]))
 
 
 def relax_tensor(a, a_max, beta, d_eps, d_spin=0.0):

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.models.point import JAMMED, OK, Point, size
+from anisogran.models.first_order import size
+from anisogran.models.point import JAMMED, OK, Point
 from anisogran.outcome import checked
 
 

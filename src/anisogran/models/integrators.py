@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.compiled import kernel, specialised, subkernel
+from anisogran.models.first_order import STEP
 from anisogran.models.laws import midpoint, rate, stressed, trouble
 from anisogran.models.point import NOT_FINITE, OK, RESOLUTION, Increment, Point
 
@@ -149,19 +150,18 @@ def tangent_at(method, p, point, increment, out):
 
     Where the deviator of the increment is zero the derivative is that of loading.
     """
-    h = 1e-40
     start = Point(point.sigma_V + 0j, point.sigma_1 + 0j, point.sigma_2 + 0j, point.x + 0j, point.y + 0j)
     new, code = start, OK
     for j in range(3):
         eps_V, eps_1, eps_2 = increment.eps_V + 0j, increment.eps_1 + 0j, increment.eps_2 + 0j
         if j == 0:
-            eps_V += h * 1j
+            eps_V += STEP * 1j
         elif j == 1:
-            eps_1 += h * 1j
+            eps_1 += STEP * 1j
         else:
-            eps_2 += h * 1j
+            eps_2 += STEP * 1j
         new, code = advanced(method, p, start, Increment(eps_V, eps_1, eps_2, increment.spin + 0j, increment.time + 0j))
-        out[0, j], out[1, j], out[2, j] = new.sigma_V.imag / h, new.sigma_1.imag / h, new.sigma_2.imag / h
+        out[0, j], out[1, j], out[2, j] = new.sigma_V.imag / STEP, new.sigma_1.imag / STEP, new.sigma_2.imag / STEP
     return Point(new.sigma_V.real, new.sigma_1.real, new.sigma_2.real, new.x.real, new.y.real), code
 
 

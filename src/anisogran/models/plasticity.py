@@ -11,10 +11,9 @@ those of the trial stress, which for an isotropic elasticity is exact.
 from math import cos, exp, hypot, pi, sin
 from typing import NamedTuple
 
-import numpy as np
-
 from anisogran.compiled import subkernel
-from anisogran.models.point import APEX, BRITTLE, NOT_FINITE, OK, Point, size, turned
+from anisogran.models.first_order import exponential, size
+from anisogran.models.point import APEX, BRITTLE, NOT_FINITE, OK, Point, turned
 from anisogran.outcome import InputError, checked
 
 _ON_THE_LINE = 1e-10  # of the strength: rounding must not make a plastic state elastic again, and again
@@ -73,7 +72,7 @@ def checked_parameters(E, G, phi, c=0.0, phi_residual=None, c_residual=None, psi
 @subkernel
 def _strength(p, kappa):
     """sin(phi), c cos(phi) and their derivatives by kappa."""
-    fall = np.exp(-p.beta * kappa)
+    fall = exponential(-p.beta * kappa)
     sine, cohesion = (p.peak_sine - p.residual_sine) * fall, (p.peak_cohesion - p.residual_cohesion) * fall
     return p.residual_sine + sine, p.residual_cohesion + cohesion, -p.beta * sine, -p.beta * cohesion
 

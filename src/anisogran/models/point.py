@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from anisogran.compiled import subkernel
+from anisogran.models.first_order import cosine_and_sine
 
 # outcomes of an update
 OK, TENSION, INDEFINITE, RESOLUTION, JAMMED, APEX, BRITTLE, NOT_FINITE = range(8)
@@ -56,15 +57,9 @@ def part_of(increment, h):
 
 
 @subkernel
-def size(first, second):
-    """|(t_1, t_2)|, analytic: no abs, so that a complex step passes; zero at zero."""
-    return np.sqrt(first * first + second * second)
-
-
-@subkernel
 def turned(first, second, angle):
     """The vector of a deviator after a rotation of the material by `angle`."""
-    c, s = np.cos(2.0 * angle), np.sin(2.0 * angle)
+    c, s = cosine_and_sine(2.0 * angle)
     return c * first - s * second, s * first + c * second
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.models.first_order import exponential, root
 from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, substeps
 from anisogran.outcome import InputError, checked
 
@@ -86,7 +87,7 @@ def midpoint(p, point, increment):
     h = 1.0 / parts
     eps_D, eps_V, length = h * eps_D, h * increment.eps_V, h * length
     sigma_V, sigma_D, A = point.sigma_V, -point.sigma_1, point.x
-    half, whole = np.exp(-0.5 * p.beta_F * length), np.exp(-p.beta_F * length)
+    half = exponential(-0.5 * p.beta_F * length)
     for _ in range(parts):
         A_mid = half * A + (1.0 - half) * sense * p.A_max
         fixed_V, fixed_D = p.E * eps_V, A_mid * eps_V
@@ -97,13 +98,13 @@ def midpoint(p, point, increment):
             P = sigma_V + 0.5 * (fixed_V + A_mid * eps_D)
             T = sigma_D + 0.5 * (fixed_D + p.B * eps_D)
             b = P + k * p.B
-            root = b * b - 4.0 * k * A_mid * T
-            if b.real <= 0.0 or root.real < 0.0:
+            square = b * b - 4.0 * k * A_mid * T
+            if b.real <= 0.0 or square.real <= 0.0:
                 return point, TENSION
-            soft = eps_D - length / p.s_max * (2.0 * T / (b + np.sqrt(root)))
+            soft = eps_D - length / p.s_max * (2.0 * T / (b + root(square)))
         sigma_V = sigma_V + fixed_V + A_mid * soft
         sigma_D = sigma_D + fixed_D + p.B * soft
-        A = whole * A + (1.0 - whole) * sense * p.A_max
+        A = half * A_mid + (1.0 - half) * sense * p.A_max
         if not sigma_V.real > 0.0:
             return point, TENSION
     return Point(sigma_V, -sigma_D, point.sigma_2, A, point.y), OK

@@ -18,8 +18,9 @@ Luding & Perdahcioglu, CIT 83, 672 (2011) (its softening recalled, not checked a
 from typing import NamedTuple
 
 from anisogran.compiled import subkernel
-from anisogran.models.evolution import relaxed_vector
-from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, size, substeps, turned
+from anisogran.models.evolution import relaxation, relaxed
+from anisogran.models.first_order import size
+from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, substeps, turned
 from anisogran.outcome import InputError, checked
 
 
@@ -99,23 +100,27 @@ def rate(p, point, increment):
 
 
 @subkernel
+def _change_of_ratio(P, T_1, T_2, k, a_1, a_2, m_11, m_12, m_22, r_1, r_2):
+    """Newton's change of r for T - k M r = (P - k a.r) r."""
+    loss = P - k * (a_1 * r_1 + a_2 * r_2)
+    F_1 = T_1 - k * (m_11 * r_1 + m_12 * r_2) - loss * r_1
+    F_2 = T_2 - k * (m_12 * r_1 + m_22 * r_2) - loss * r_2
+    J_11, J_12 = k * (a_1 * r_1 - m_11) - loss, k * (a_2 * r_1 - m_12)
+    J_21, J_22 = k * (a_1 * r_2 - m_12), k * (a_2 * r_2 - m_22) - loss
+    over = 1.0 / (J_11 * J_22 - J_12 * J_21)
+    return (J_12 * F_2 - J_22 * F_1) * over, (J_21 * F_1 - J_11 * F_2) * over
+
+
+@subkernel
 def _middle_ratio(P, T_1, T_2, k, a_1, a_2, m_11, m_12, m_22, r_1, r_2):
-    """t/sigma_V at mid-step by Newton: T - k M r = (P - k a.r) r, with a starting value; (r_1, r_2, whether it converged)."""
-    done = False
+    """t/sigma_V at mid-step with a starting value (real); (r_1, r_2, whether it converged)."""
     for _ in range(20):
-        loss = P - k * (a_1 * r_1 + a_2 * r_2)
-        F_1 = T_1 - k * (m_11 * r_1 + m_12 * r_2) - loss * r_1
-        F_2 = T_2 - k * (m_12 * r_1 + m_22 * r_2) - loss * r_2
-        J_11, J_12 = k * (a_1 * r_1 - m_11) - loss, k * (a_2 * r_1 - m_12)
-        J_21, J_22 = k * (a_1 * r_2 - m_12), k * (a_2 * r_2 - m_22) - loss
-        determinant = J_11 * J_22 - J_12 * J_21
-        d_1 = (J_12 * F_2 - J_22 * F_1) / determinant
-        d_2 = (J_21 * F_1 - J_11 * F_2) / determinant
+        d_1, d_2 = _change_of_ratio(P.real, T_1.real, T_2.real, k.real, a_1.real, a_2.real, m_11.real, m_12.real, m_22.real, r_1, r_2)
         r_1, r_2 = r_1 + d_1, r_2 + d_2
-        if done:  # one more round, so that the derivative of a complex step has converged too
-            return r_1, r_2, True
-        done = abs(d_1.real) + abs(d_2.real) <= 1e-9  # quadratic: the next change is its square
-    return r_1, r_2, False
+        if abs(d_1) + abs(d_2) <= 1e-6:  # the error left is about the square, and its square after the round that is the derivative's
+            d_1, d_2 = _change_of_ratio(P, T_1, T_2, k, a_1, a_2, m_11, m_12, m_22, r_1, r_2)
+            return r_1 + d_1, r_2 + d_2, True
+    return r_1 + 0.0 * P, r_2 + 0.0 * P, False
 
 
 def midpoint(p, point, increment):
@@ -127,16 +132,17 @@ def midpoint(p, point, increment):
     strong = p.s_max != 0.0
     length = size(increment.eps_1, increment.eps_2)
     stiffest = p.two_G + max(p.excess, 0.0) * (point.x.real**2 + point.y.real**2)
-    relaxation = length.real * stiffest / (point.sigma_V.real * p.s_max) if strong else 0.0
-    parts = substeps(relaxation, increment.spin.real)
+    relaxing = length.real * stiffest / (point.sigma_V.real * p.s_max) if strong else 0.0
+    parts = substeps(relaxing, increment.spin.real)
     if parts > MOST_SUBSTEPS:
         return point, RESOLUTION
     h = 1.0 / parts
     e_1, e_2, eps_V, spin, length = h * increment.eps_1, h * increment.eps_2, h * increment.eps_V, h * increment.spin, h * length
     k = 0.5 * length / p.s_max if strong else 0.0 * length
+    to_middle = relaxation(p.A_max, p.beta_F, 0.5 * e_1, 0.5 * e_2, 0.5 * spin)
     sigma_V, t_1, t_2, a_1, a_2 = point
     for _ in range(parts):
-        m_1, m_2 = relaxed_vector(a_1, a_2, p.A_max, p.beta_F, 0.5 * e_1, 0.5 * e_2, 0.5 * spin)  # mid-step
+        m_1, m_2 = relaxed(a_1, a_2, to_middle)
         t_1, t_2 = turned(t_1, t_2, 0.5 * spin)
         f_1, f_2 = 0.0 * e_1, 0.0 * e_2
         if strong:
@@ -144,14 +150,15 @@ def midpoint(p, point, increment):
             P = sigma_V + 0.5 * (p.E * eps_V + m_1 * e_1 + m_2 * e_2)
             T_1, T_2 = t_1 + 0.5 * (m_1 * eps_V + g_1), t_2 + 0.5 * (m_2 * eps_V + g_2)
             m_11, m_12, m_22 = p.two_G + p.excess * m_1 * m_1, p.excess * m_1 * m_2, p.two_G + p.excess * m_2 * m_2
-            r_1, r_2, converged = _middle_ratio(P, T_1, T_2, k, m_1, m_2, m_11, m_12, m_22, t_1 / sigma_V, t_2 / sigma_V)
+            guess = 1.0 / sigma_V.real
+            r_1, r_2, converged = _middle_ratio(P, T_1, T_2, k, m_1, m_2, m_11, m_12, m_22, t_1.real * guess, t_2.real * guess)
             if not (converged and (P - k * (m_1 * r_1 + m_2 * r_2)).real > 0.0):
                 return point, TENSION  # at a positive pressure and this step a solution is near
             f_1, f_2 = e_1 - 2.0 * k * r_1, e_2 - 2.0 * k * r_2
         g_1, g_2 = _answer(p, m_1, m_2, f_1, f_2)
         sigma_V = sigma_V + p.E * eps_V + m_1 * f_1 + m_2 * f_2
         t_1, t_2 = turned(t_1 + m_1 * eps_V + g_1, t_2 + m_2 * eps_V + g_2, 0.5 * spin)
-        a_1, a_2 = relaxed_vector(a_1, a_2, p.A_max, p.beta_F, e_1, e_2, spin)
+        a_1, a_2 = relaxed(m_1, m_2, to_middle)
         if not sigma_V.real > 0.0:
             return point, TENSION
     return Point(sigma_V, t_1, t_2, a_1, a_2), OK
