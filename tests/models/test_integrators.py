@@ -132,7 +132,7 @@ def test_a_huge_increment_is_cut_up(law):
 def test_more_sub_steps_than_the_limit_are_a_named_failure():
     stiff = law_parameters("scalar", **(ANISOTROPIC | {"B": 1e12, "E": 1e13}))
     state = PointState(100.0 * np.eye(2), {"A": 0.0})
-    with pytest.raises(InputError, match="needs more than 100000 sub-steps"):
+    with pytest.raises(InputError, match="needs more sub-steps than the integrator may take"):
         updated(state, np.diag([-1e-3, 1e-3]), stiff)
     kept = updated(state, np.diag([-1e-3, 1e-3]), stiff, on_failure="report")
     assert kept.outcome != 0

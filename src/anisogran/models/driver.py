@@ -65,7 +65,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
                 guess[j] -= x[j]
             new, code = tangent_at(method, p, point, Increment(guess[0], guess[1], guess[2], spin, time), tangent)
         if code != OK:
-            return new, NOT_REACHABLE if code == RESOLUTION and iteration > 0 else code  # endless strains: no solution is near
+            return new, code
         worst = 0.0
         for i in range(3):
             b[i] = goal[i] - (of_stress[i, 0] * new.sigma_V + of_stress[i, 1] * new.sigma_1 + of_stress[i, 2] * new.sigma_2)
@@ -83,7 +83,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
         determinant = _solved(J, b, x)
         if iteration == 0 and going_on and determinant * sign <= 0.0:
             return new, LOST_CONTROL  # another branch may be found, but the sample would jump to it
-        if polished:
+        if polished and worst <= 1.0:
             return new, OK if determinant * sign > 0.0 else LOST_CONTROL
         polished = worst <= 1.0  # one more round then reaches rounding, and small drifts of a stress do not add up
         if iteration == MOST_ITERATIONS and not polished:
@@ -92,7 +92,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
             return new, LOST_CONTROL
         for j in range(3):
             guess[j] += x[j]
-    return new, NOT_REACHABLE if met in (OK, RESOLUTION) else met  # what stood in the way
+    return new, met if met != OK else NOT_REACHABLE  # what stood in the way
 
 
 @kernel

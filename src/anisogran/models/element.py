@@ -9,6 +9,7 @@ import numpy as np
 from anisogran.glossary import attributes
 from anisogran.models.controls import ROWS, planned
 from anisogran.models.driver import LOST_CONTROL, MOST_ITERATIONS, NOT_REACHABLE, drive
+from anisogran.models.integrators import INTEGRATORS
 from anisogran.models.laws import LAWS, law_parameters
 from anisogran.models.point import MEANING, OK, Point
 from anisogran.models.update import NO_SHEAR, integrator_record, state_of
@@ -119,7 +120,7 @@ def element_test(law, parameters, control, start=None, steps=None, integrator="m
     start         pressure of an isotropic sample, or dict of sigma_xx, sigma_zz, sigma_xz and internal variables; what it does not say is
                   taken from the prescribed stress (the pressure of a biaxial box), and 0 for internal variables
     steps         equal steps from one turning point to the next; None: one, the points are the path
-    integrator    "midpoint" (second order), "rk45" (error control) or "explicit" (first order)
+    integrator    "midpoint" (second order), "rk45" (error control) or "explicit" (first order), or dict of its name and settings
 
     Where a stress is prescribed, Newton's method finds the strain of each step to 1e-11 of the largest stress, with the consistent tangent.
     A path that cannot be followed ends with status failed, by name: tension, a stiffness that is not positive definite, a stress that is
@@ -147,7 +148,7 @@ def element_test(law, parameters, control, start=None, steps=None, integrator="m
     if code == OK:
         return replace(test, status=status)
     status = status.fail(f"stopped at {plan.place(done)}, {_told(test)}: {_REASONS[code]}")
-    return replace(test, status=status, reproduction=_reproduction(test, plan.path, done, integrator))
+    return replace(test, status=status, reproduction=_reproduction(test, plan.path, done, method))
 
 
 def _mapping(key, value):
@@ -217,13 +218,16 @@ def _told(test):
     return f"where sigma_xx = {xx:.6g}, sigma_zz = {zz:.6g}, sigma_xz = {xz:.6g}, {inner}"
 
 
-def _reproduction(test, path, done, integrator):
+def _reproduction(test, path, done, method):
     """The text of a file for `anisogran element` with the step that failed alone."""
     stress = test.stress[..., -1]
     whole = LAWS[test.law].STRESS_IS_STATE
     start = {"sigma_xx": stress[0, 0], "sigma_zz": stress[1, 1], "sigma_xz": stress[0, 1]} if whole else {}
     start |= {name: values[-1] for name, values in test.internal.items()}
-    lines = [f'law = "{test.law}"', f'integrator = "{integrator}"', "", "[parameters]"]
+    name = next(name for name, known in INTEGRATORS.items() if type(known) is type(method))
+    settings = ", ".join([f'name = "{name}"', *(f"{key} = {value!r}" for key, value in method._asdict().items())])
+    integrator = f'"{name}"' if method == INTEGRATORS[name] else f"{{ {settings} }}"
+    lines = [f'law = "{test.law}"', f"integrator = {integrator}", "", "[parameters]"]
     lines += [f"{key} = {float(value)!r}" for key, value in test.parameters.items() if value is not None]
     lines += ["", "[start]", *(f"{key} = {float(value)!r}" for key, value in start.items()), "", "[control]"]
     for key, values in path.items():

@@ -10,7 +10,7 @@ form is the same law in any direction, carried along by the rotation of the mate
 import numpy as np
 
 from anisogran.compiled import kernel, subkernel
-from anisogran.models.first_order import cosine_and_sine, exponential, size
+from anisogran.models.first_order import cosine_and_sine, exponential, inverse, size
 from anisogran.outcome import InputError, checked
 
 
@@ -43,7 +43,7 @@ def relaxation(limit, beta, eps_1, eps_2, spin):
     # the mean of exp(z t) over 0 < t < 1 with z = -b + i w, as (real, imaginary)
     square = b * b + w * w
     if square.real > 1e-5:
-        up, side, over = decay * c - 1.0, decay * s, 1.0 / square
+        up, side, over = decay * c - 1.0, decay * s, inverse(square)
         mean_r, mean_i = (side * w - up * b) * over, -(side * b + up * w) * over
     else:  # the closed form would cancel; the first term left out, |z|^5/720, is rounding
         mean_r, mean_i = 1.0 - 0.2 * b, 0.2 * w

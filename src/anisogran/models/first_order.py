@@ -12,6 +12,13 @@ STEP = 1e-100  # of a derivative by a complex step: its square is above the smal
 
 
 @subkernel
+def inverse(z):
+    """1/z, infinite at zero, where a compiled division of complex numbers would raise."""
+    value = 1.0 / z.real
+    return value - (z - z.real) * (value * value)
+
+
+@subkernel
 def root(z):
     """sqrt(z), real part above 0."""
     value = np.sqrt(z.real)

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.models.first_order import size
-from anisogran.models.point import JAMMED, OK, Point
+from anisogran.compiled import subkernel
+from anisogran.models.first_order import inverse, size
+from anisogran.models.point import EMPTY, JAMMED, OK, Point
 from anisogran.outcome import checked
 
 
@@ -66,12 +67,19 @@ def rate(p, point, increment):
 def midpoint(p, point, increment):
     """(state, outcome) after an increment: the area fraction, exact."""
     after = point.x * np.exp(2.0 * increment.eps_V)
-    return Point(point.sigma_V, point.sigma_1, point.sigma_2, after, point.y), JAMMED if after.real >= p.phi_max else OK
+    return Point(point.sigma_V, point.sigma_1, point.sigma_2, after, point.y), OK
+
+
+@subkernel
+def _outcome(p, area_fraction):
+    if not area_fraction > 0.0:
+        return EMPTY
+    return JAMMED if area_fraction >= p.phi_max else OK
 
 
 def trouble(p, point):
     """The outcome that a state stands for by itself."""
-    return JAMMED if point.x.real >= p.phi_max else OK
+    return _outcome(p, point.x.real)
 
 
 def check_start(p, point):
@@ -80,10 +88,13 @@ def check_start(p, point):
 
 
 def stressed(p, point, increment):
-    """The state with its stress: that of the mean rate of the increment at the area fraction of the state."""
+    """(the state with its stress, outcome): that of the mean rate of the increment at the area fraction of the state."""
+    code = _outcome(p, point.x.real)
+    if code != OK:
+        return point, code
     I = (p.phi_max - point.x) / p.slope
-    mu = p.mu_s + (p.mu_d - p.mu_s) * I / (I + p.I0) + p.b * I
+    mu = p.mu_s + (p.mu_d - p.mu_s) * I * inverse(I + p.I0) + p.b * I
     length = size(increment.eps_1, increment.eps_2)
-    over_rate = p.grain_mass * (2.0 / (I * increment.time)) ** 2  # sigma_V / |d eps|^2
+    over_rate = p.grain_mass * (2.0 * inverse(I * increment.time)) ** 2  # sigma_V / |d eps|^2
     shear = mu * over_rate * length
-    return Point(over_rate * length * length, shear * increment.eps_1, shear * increment.eps_2, point.x, point.y)
+    return Point(over_rate * length * length, shear * increment.eps_1, shear * increment.eps_2, point.x, point.y), OK

@@ -25,7 +25,7 @@ class RungeKutta45(NamedTuple):
     """Error of each sub-step relative to the largest stress and internal variable; the most sub-steps in an increment."""
 
     tolerance: float = 1e-9
-    most: float = 1e5
+    most: float = 1e4
 
 
 class Midpoint(NamedTuple):
@@ -84,7 +84,9 @@ def _runge_kutta(method, p, point, increment):
     _evaluate(p, y, increment, k[0])
     while done < 1.0:
         steps += 1.0
-        if steps > method.most or h < 1e-14:
+        if steps > method.most:
+            return point, RESOLUTION
+        if h < 1e-14:
             return point, doubt if doubt != OK else RESOLUTION
         for stage in range(6):
             for i in range(5):
@@ -106,7 +108,7 @@ def _runge_kutta(method, p, point, increment):
             continue
         if error <= 1.0:
             done = 1.0 if done + h >= 1.0 - 1e-15 else done + h
-            y[:] = new
+            y[:], doubt = new, OK
             k[0] = k[6]  # the last stage is the first of the next step
         h = min(h * min(5.0, max(0.2, 0.9 * error**-0.2 if error > 0.0 else 5.0)), 1.0 - done)
     return Point(y[0], y[1], y[2], y[3], y[4]), OK
@@ -128,7 +130,9 @@ def advanced(method, p, point, increment):
     new, code = integrate(method, p, point, increment)
     if code != OK:
         return new, code
-    new = stressed(p, new, increment)
+    new, code = stressed(p, new, increment)
+    if code != OK:
+        return new, code
     if not np.isfinite((new.sigma_V + new.sigma_1 + new.sigma_2 + new.x + new.y).real):
         return new, NOT_FINITE
     return new, trouble(p, new)

@@ -12,7 +12,7 @@ from math import cos, exp, hypot, pi, sin
 from typing import NamedTuple
 
 from anisogran.compiled import subkernel
-from anisogran.models.first_order import exponential, size
+from anisogran.models.first_order import exponential, inverse, size
 from anisogran.models.point import APEX, BRITTLE, NOT_FINITE, OK, Point, turned
 from anisogran.outcome import InputError, checked
 
@@ -86,9 +86,9 @@ def rate(p, point, increment):
     shear = size(point.sigma_1, point.sigma_2)
     strength = point.sigma_V * sine + cohesion
     if shear.real > 0.0 and shear.real >= strength.real * (1.0 - _ON_THE_LINE):
-        n_1, n_2 = point.sigma_1 / shear, point.sigma_2 / shear
+        n_1, n_2 = point.sigma_1 * inverse(shear), point.sigma_2 * inverse(shear)
         hardening = p.two_G + p.E * p.dilatancy_sine * sine + point.sigma_V * sine_slope + cohesion_slope
-        loading = (n_1 * d_1 + n_2 * d_2 - sine * d_V) / hardening
+        loading = (n_1 * d_1 + n_2 * d_2 - sine * d_V) * inverse(hardening)
         if loading.real > 0.0:
             plastic = loading
             d_V = d_V + p.E * p.dilatancy_sine * plastic
@@ -96,39 +96,47 @@ def rate(p, point, increment):
     return Point(d_V, d_1 - w * point.sigma_2, d_2 + w * point.sigma_1, plastic, 0.0 * plastic)
 
 
-def midpoint(p, point, increment):
-    """(state, outcome) after an increment: elastic trial stress, then the return to the yield line (backward Euler, the classical way).
+@subkernel
+def _returned(p, point):
+    """(state, outcome): a stress outside the yield line returns to it along the plastic strain; one inside stays."""
+    shear = size(point.sigma_1, point.sigma_2)
+    kappa = 0.0 * shear
+    sine, cohesion, sine_slope, cohesion_slope = _strength(p, point.x)
+    if not (shear - point.sigma_V * sine - cohesion).real > 0.0:
+        return point, OK
+    if not shear.real > 0.0:
+        return point, APEX
+    converged = False
+    for _ in range(50):
+        sine, cohesion, sine_slope, cohesion_slope = _strength(p, point.x + kappa)
+        pressed = point.sigma_V + p.E * p.dilatancy_sine * kappa
+        excess = shear - p.two_G * kappa - pressed * sine - cohesion
+        stiffness = p.two_G + p.E * p.dilatancy_sine * sine + pressed * sine_slope + cohesion_slope
+        if not stiffness.real > 0.0:
+            return point, BRITTLE
+        kappa = kappa + excess * inverse(stiffness)
+        if converged:
+            break
+        converged = abs(excess.real) <= 1e-6 * shear.real  # quadratic: rounding after this change, and the derivative after the next
+    if not converged:
+        return point, NOT_FINITE
+    left = 1.0 - p.two_G * kappa * inverse(shear)
+    if not left.real > 0.0:
+        return point, APEX
+    pressed = point.sigma_V + p.E * p.dilatancy_sine * kappa
+    return Point(pressed, left * point.sigma_1, left * point.sigma_2, point.x + kappa, point.y + 0.0 * kappa), OK
 
-    Exact where the strength does not change and the stress axes do not turn against the strain; first order in the fall of the strength.
+
+def midpoint(p, point, increment):
+    """(state, outcome) after an increment: the elastic trial stress; `stressed` then returns it to the yield line.
+
+    That return is backward Euler, the classical way: exact where the strength does not change and the stress axes do not turn against the
+    strain; first order in the fall of the strength.
     """
     t_1, t_2 = turned(point.sigma_1, point.sigma_2, 0.5 * increment.spin)
     t_1, t_2 = turned(t_1 + p.two_G * increment.eps_1, t_2 + p.two_G * increment.eps_2, 0.5 * increment.spin)
-    sigma_V = point.sigma_V + p.E * increment.eps_V
-    shear = size(t_1, t_2)
-    kappa = 0.0 * shear
-    sine, cohesion, sine_slope, cohesion_slope = _strength(p, point.x)
-    if (shear - sigma_V * sine - cohesion).real > 0.0:
-        stiffness, converged = p.two_G + 0.0 * shear, False
-        for _ in range(50):
-            sine, cohesion, sine_slope, cohesion_slope = _strength(p, point.x + kappa)
-            pressed = sigma_V + p.E * p.dilatancy_sine * kappa
-            excess = shear - p.two_G * kappa - pressed * sine - cohesion
-            stiffness = p.two_G + p.E * p.dilatancy_sine * sine + pressed * sine_slope + cohesion_slope
-            if not stiffness.real > 0.0:
-                return point, BRITTLE
-            change = excess / stiffness
-            kappa = kappa + change
-            if converged:  # one more round for the derivative of a complex step
-                break
-            converged = abs(change.real) <= 1e-9 * abs(kappa.real)
-        if not converged:
-            return point, NOT_FINITE
-        sigma_V = sigma_V + p.E * p.dilatancy_sine * kappa
-        left = 1.0 - p.two_G * kappa / shear
-        if not left.real > 0.0:
-            return point, APEX
-        t_1, t_2 = left * t_1, left * t_2
-    return Point(sigma_V, t_1, t_2, point.x + kappa, point.y + 0.0 * kappa), OK
+    none = 0.0 * t_1
+    return Point(point.sigma_V + p.E * increment.eps_V, t_1, t_2, point.x + none, point.y + none), OK
 
 
 def trouble(p, point):
@@ -148,5 +156,5 @@ def check_start(p, point):
 
 
 def stressed(p, point, increment):
-    """The state with its stress; here the stress is part of the state."""
-    return point
+    """(the state with its stress, outcome): what went beyond the yield line, in any integrator, returns to it."""
+    return _returned(p, point)

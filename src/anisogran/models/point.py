@@ -13,13 +13,14 @@ from anisogran.compiled import subkernel
 from anisogran.models.first_order import cosine_and_sine
 
 # outcomes of an update
-OK, TENSION, INDEFINITE, RESOLUTION, JAMMED, APEX, BRITTLE, NOT_FINITE = range(8)
+OK, TENSION, INDEFINITE, RESOLUTION, JAMMED, EMPTY, APEX, BRITTLE, NOT_FINITE = range(9)
 MEANING = {
     OK: "ok",
     TENSION: "the sample goes into tension (sigma_V <= 0), where the law does not hold",
     INDEFINITE: "the stiffness is not positive definite (E B <= A^2)",
-    RESOLUTION: "the increment needs more than 100000 sub-steps",
+    RESOLUTION: "the increment needs more sub-steps than the integrator may take",
     JAMMED: "the sample jams: its area fraction reaches phi_max, where the law has no finite stress",
+    EMPTY: "the area fraction falls to zero within one increment",
     APEX: "the stress passes the apex of the yield line (tension beyond the cohesion)",
     BRITTLE: "the strength falls faster than the stiffness can follow (snap-back)",
     NOT_FINITE: "the state is not finite",

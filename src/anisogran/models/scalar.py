@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.models.first_order import exponential, root
+from anisogran.models.first_order import exponential, inverse, root
 from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, substeps
 from anisogran.outcome import InputError, checked
 
@@ -62,7 +62,7 @@ def rate(p, point, increment):
     """The change of the state for an increment, evaluated at `point`."""
     eps_D, sigma_D = -increment.eps_1, -point.sigma_1
     sense = -1.0 if eps_D.real < 0.0 else 1.0
-    softened = 0.0 * eps_D if p.s_max == 0.0 else eps_D - sense * eps_D * sigma_D / (point.sigma_V * p.s_max)
+    softened = 0.0 * eps_D if p.s_max == 0.0 else eps_D - sense * eps_D * sigma_D * inverse(point.sigma_V * p.s_max)
     return Point(
         p.E * increment.eps_V + point.x * softened,
         -(point.x * increment.eps_V + p.B * softened),
@@ -101,7 +101,7 @@ def midpoint(p, point, increment):
             square = b * b - 4.0 * k * A_mid * T
             if b.real <= 0.0 or square.real <= 0.0:
                 return point, TENSION
-            soft = eps_D - length / p.s_max * (2.0 * T / (b + root(square)))
+            soft = eps_D - length / p.s_max * (2.0 * T * inverse(b + root(square)))
         sigma_V = sigma_V + fixed_V + A_mid * soft
         sigma_D = sigma_D + fixed_D + p.B * soft
         A = half * A_mid + (1.0 - half) * sense * p.A_max
@@ -126,5 +126,5 @@ def check_start(p, point):
 
 
 def stressed(p, point, increment):
-    """The state with its stress; here the stress is part of the state."""
-    return point
+    """(the state with its stress, outcome); here the stress is part of the state."""
+    return point, OK

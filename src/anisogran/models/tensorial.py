@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from anisogran.compiled import subkernel
 from anisogran.models.evolution import relaxation, relaxed
-from anisogran.models.first_order import size
+from anisogran.models.first_order import inverse, size
 from anisogran.models.point import INDEFINITE, MOST_SUBSTEPS, OK, RESOLUTION, TENSION, Point, substeps, turned
 from anisogran.outcome import InputError, checked
 
@@ -73,7 +73,7 @@ def _softened(p, point, e_1, e_2, length):
     """d eps*, its components."""
     if p.s_max == 0.0:  # bears no shear
         return 0.0 * e_1, 0.0 * e_2
-    share = length / (p.s_max * point.sigma_V)
+    share = length * inverse(p.s_max * point.sigma_V)
     return e_1 - share * point.sigma_1, e_2 - share * point.sigma_2
 
 
@@ -107,7 +107,7 @@ def _change_of_ratio(P, T_1, T_2, k, a_1, a_2, m_11, m_12, m_22, r_1, r_2):
     F_2 = T_2 - k * (m_12 * r_1 + m_22 * r_2) - loss * r_2
     J_11, J_12 = k * (a_1 * r_1 - m_11) - loss, k * (a_2 * r_1 - m_12)
     J_21, J_22 = k * (a_1 * r_2 - m_12), k * (a_2 * r_2 - m_22) - loss
-    over = 1.0 / (J_11 * J_22 - J_12 * J_21)
+    over = inverse(J_11 * J_22 - J_12 * J_21)
     return (J_12 * F_2 - J_22 * F_1) * over, (J_21 * F_1 - J_11 * F_2) * over
 
 
@@ -181,5 +181,5 @@ def check_start(p, point):
 
 
 def stressed(p, point, increment):
-    """The state with its stress; here the stress is part of the state."""
-    return point
+    """(the state with its stress, outcome); here the stress is part of the state."""
+    return point, OK

@@ -1,5 +1,6 @@
 """Any law on whole arrays of points: (state, strain increment, parameters) -> (state, stress, tangent)."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from anisogran.models.integrators import INTEGRATORS, advance_all, advance_all_with_tangent
 from anisogran.models.laws import LAWS, name_of
 from anisogran.models.point import MEANING
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, checked
 
 NO_SHEAR = "the scalar law holds in the axes of the box and knows no shear strain xz and no rotation; take the tensorial law"
 
@@ -39,16 +40,18 @@ def updated(state, d_eps, parameters, *, d_spin=0.0, d_time=1.0, integrator="mid
     d_eps          (2, 2, ...), compression positive; its antisymmetric part does not matter
     parameters     of one law, from `law_parameters`
     d_spin         (...), rotation of the material in rad, counter-clockwise;  d_time (...), duration in s, for laws that know a rate
-    integrator     "midpoint", "rk45" or "explicit", or a record of `integrators` with its own tolerance
+    integrator     "midpoint", "rk45" or "explicit", or what `integrator_record` takes, with its own tolerance
     tangent        whether to find d stress_ij / d eps_kl, (2, 2, 2, 2, ...), consistent with the integrator (by a complex step;
                    not with rk45 where a mohr_coulomb point begins to yield within the increment)
     on_failure     "raise": InputError naming the first point that failed; "report": its state is the old one, and outcome says why
 
     Nothing of `state` is changed. Raises InputError for bad shapes, internal variables that are not those of the law, numbers that are
-    not finite, a shear or rotation given to the scalar law, or an unknown integrator.
+    not finite, a duration that is not above 0, a shear or rotation given to the scalar law, or an unknown integrator.
     """
     law = name_of(parameters)
     method = integrator_record(integrator)
+    if on_failure not in ("raise", "report"):
+        raise InputError(f"updated: on_failure = {on_failure!r} must be raise or report")
     d_eps, d_spin, d_time = np.asarray(d_eps, dtype=float), np.asarray(d_spin, dtype=float), np.asarray(d_time, dtype=float)
     stress = np.asarray(state.stress, dtype=float)
     for key, t in (("stress", stress), ("d_eps", d_eps)):
@@ -59,6 +62,8 @@ def updated(state, d_eps, parameters, *, d_spin=0.0, d_time=1.0, integrator="mid
     for key, array in (("state", states), ("increment", increments)):
         if not np.all(np.isfinite(array)):
             raise InputError(f"updated: the {key} of point {int(np.argwhere(~np.isfinite(array).all(axis=0))[0, 0])} is not finite")
+    if not np.all(increments[4] > 0.0):
+        raise InputError(f"updated: d_time = {increments[4].min():g} must be above 0 s")
     if law == "scalar" and np.any(increments[2:4]):
         raise InputError(f"updated: {NO_SHEAR}")
     old, outcomes = states.copy(), np.zeros(states.shape[1], dtype=np.int64)
@@ -77,7 +82,14 @@ def updated(state, d_eps, parameters, *, d_spin=0.0, d_time=1.0, integrator="mid
 
 
 def integrator_record(integrator):
-    """The record of an integrator given by name, or the record itself. Raises InputError for another."""
+    """The record of an integrator given by name, as dict of its name and settings, or the record itself. Raises InputError for another."""
+    if isinstance(integrator, Mapping):
+        settings = dict(integrator)
+        record = integrator_record(str(settings.pop("name", None)))
+        for key in settings:
+            if key not in record._fields:
+                raise InputError(f"integrator: unknown setting {key!r}; {integrator['name']} has {', '.join(record._fields)}")
+        return record._replace(**{key: checked("integrator", key, value, above=0.0) for key, value in settings.items()})
     if isinstance(integrator, str):
         if integrator not in INTEGRATORS:
             raise InputError(f"integrator = {integrator!r} must be one of {', '.join(INTEGRATORS)}")
