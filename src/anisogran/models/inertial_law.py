@@ -30,6 +30,7 @@ class InertialParameters(NamedTuple):
     grain_mass: float
 
 
+Parameters = InertialParameters
 KEYS = {  # unit, meaning, example
     "mu_s": ("1", "friction at rest, 0 <= mu_s < 1", 0.28),
     "phi_max": ("1", "area fraction at rest, between 0 and 1", 0.82),

@@ -1,4 +1,4 @@
-"""The list of laws at a point. A new one is a file like its neighbours, one line in LAWS and one in each table below."""
+"""The list of laws at a point. A new one is a file with the members of its neighbours, and one line in LAWS."""
 
 from difflib import get_close_matches
 from inspect import signature
@@ -9,12 +9,7 @@ from anisogran.outcome import InputError
 
 LAWS = {"scalar": scalar, "tensorial": tensorial, "mohr_coulomb": plasticity, "mu_of_I": inertial_law}
 
-_OF_PARAMETERS = {
-    scalar.ScalarParameters: scalar,
-    tensorial.TensorialParameters: tensorial,
-    plasticity.PlasticParameters: plasticity,
-    inertial_law.InertialParameters: inertial_law,
-}
+_OF_PARAMETERS = {law.Parameters: law for law in LAWS.values()}
 
 
 def _table(function):

@@ -32,6 +32,7 @@ class PlasticParameters(NamedTuple):
     beta: float
 
 
+Parameters = PlasticParameters
 KEYS = {  # unit, meaning, example
     "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
     "G": ("N/m", "shear modulus, 2G is d sigma_D/d eps_D, above 0", 5e3),

@@ -29,6 +29,7 @@ class ScalarParameters(NamedTuple):
     beta_F: float
 
 
+Parameters = ScalarParameters
 KEYS = {  # unit, meaning, example
     "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
     "B": ("N/m", "d sigma_D/d eps_D of the isotropic sample, above 0", 1e4),

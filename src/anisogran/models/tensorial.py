@@ -35,6 +35,7 @@ class TensorialParameters(NamedTuple):
     beta_F: float
 
 
+Parameters = TensorialParameters
 KEYS = {  # unit, meaning, example
     "E": ("N/m", "d sigma_V/d eps_V, above 0", 2e4),
     "B": ("N/m", "coaxial shear modulus d sigma_D/d eps_D at |A| = A_max, above 0", 1.2e4),
