@@ -8,7 +8,7 @@ import numpy as np
 
 from anisogran.compiled import subkernel
 
-STEP = 1e-100  # of a derivative by a complex step: its square is above the smallest number, and nothing beside any strain
+STEP = 1e-100  # of a derivative by a complex step: its square is nothing beside any strain, and still no underflow, which is slow
 
 
 @subkernel
@@ -45,7 +45,7 @@ def size(first, second):
     length = np.sqrt(first.real * first.real + second.real * second.real)
     if length > 0.0:
         return length + ((first - first.real) * first.real + (second - second.real) * second.real) / length
-    grown = np.sqrt(first.imag * first.imag + second.imag * second.imag)
+    grown = np.hypot(first.imag, second.imag)
     if grown > 0.0:
-        return (first * first.imag + second * second.imag) / grown
+        return first * (first.imag / grown) + second * (second.imag / grown)
     return 0.0 * (first + second)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from anisogran.compiled import subkernel
 from anisogran.models.first_order import exponential, inverse, size
-from anisogran.models.point import APEX, BRITTLE, NOT_FINITE, OK, Point, turned
+from anisogran.models.point import APEX, BRITTLE, NOT_FINITE, OK, TENSION, Point, turned
 from anisogran.outcome import InputError, checked
 
 _ON_THE_LINE = 1e-10  # of the strength: rounding must not make a plastic state elastic again, and again
@@ -122,7 +122,7 @@ def _returned(p, point):
     if not converged:
         return point, NOT_FINITE
     left = 1.0 - p.two_G * kappa * inverse(shear)
-    if not left.real > 0.0:
+    if left.real < -1e-12:  # rounding of a material that bears no shear
         return point, APEX
     pressed = point.sigma_V + p.E * p.dilatancy_sine * kappa
     return Point(pressed, left * point.sigma_1, left * point.sigma_2, point.x + kappa, point.y + 0.0 * kappa), OK
@@ -143,7 +143,9 @@ def midpoint(p, point, increment):
 def trouble(p, point):
     """The outcome that a state stands for by itself."""
     sine, cohesion, _, _ = _strength(p, point.x.real)
-    return APEX if (point.sigma_V.real * sine + cohesion).real < 0.0 else OK
+    if point.sigma_V.real * sine + cohesion < 0.0:
+        return APEX
+    return TENSION if cohesion == 0.0 and point.sigma_V.real < 0.0 else OK  # a fluid has no apex
 
 
 def check_start(p, point):
