@@ -2,6 +2,7 @@
 
 from anisogran.fitting.adhesion_series import cohesion
 from anisogran.fitting.band_profile import shear_band
+from anisogran.fitting.calibrated import Comparison, LawFit, Misfit
 from anisogran.fitting.exponential_approach import relaxation, relaxations
 from anisogran.fitting.exponential_tail import exponential_decay
 from anisogran.fitting.gate import Verdict
@@ -9,6 +10,8 @@ from anisogran.fitting.implied_modulus import ComparedB, compared_B
 from anisogran.fitting.inertial_density import area_fraction
 from anisogran.fitting.inertial_friction import mu_of_I
 from anisogran.fitting.initial_slope import initial_moduli
+from anisogran.fitting.law_calibration import calibrate
+from anisogran.fitting.law_curves import Curve
 from anisogran.fitting.observations import DataSet
 from anisogran.fitting.probes import probed_moduli
 from anisogran.fitting.result import FitResult
@@ -17,10 +20,15 @@ from anisogran.fitting.yield_line import mohr_coulomb, mohr_coulomb_lines
 
 __all__ = [
     "ComparedB",
+    "Comparison",
+    "Curve",
     "DataSet",
     "FitResult",
+    "LawFit",
+    "Misfit",
     "Verdict",
     "area_fraction",
+    "calibrate",
     "cohesion",
     "compared_B",
     "exponential_decay",

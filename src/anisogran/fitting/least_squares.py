@@ -75,6 +75,7 @@ def fit_together(
     loss="linear",
     start=None,
     curve_of_data=None,
+    together_first=False,
     where="fit_together",
 ):
     """The `FitResult` of the least-squares fit of one curve to the `Part`s at once; for the arguments see `fit_curve`.
@@ -87,7 +88,7 @@ def fit_together(
     `series` (neighbours in x are neighbours in one run) the variance is multiplied by the correlation time tau of the residuals,
     since only n/tau points are independent; this holds for noise that is short-ranged against the curve.
     With loss="soft_l1" residuals count linearly, not squared, from about 1.3 typical ones on, so that outliers have little say; the
-    errors are then those of a bootstrap, since a covariance would be wrong.
+    errors are then those of a bootstrap, since a covariance would be wrong. For `together_first` see `search`.
     Raises InputError for a start or a sharing that names what there is not, NotConverged if no start gives a finite curve.
     """
     if loss not in _ROBUST:
@@ -101,10 +102,10 @@ def fit_together(
     problem = Problem(curve, names, tuple(q.level for q in parameters), series, sets, index, lower, upper)
     given = _given(law, start, parameters)
     starts = [[*np.asarray(part.starts, dtype=float), *given] for part in parts]
-    theta, found = search(problem, starts)
+    theta, found = search(problem, starts, together_first)
     for _ in range(_ROBUST[loss]):
         problem = replace(problem, bend=_EFFICIENT * _typical_residual(problem, theta))
-        theta, found = search(problem, starts)
+        theta, found = search(problem, starts, together_first)
     if not all(np.isfinite(one.chi_square) for one in found):
         raise NotConverged(f"{where}: the curve of {law} has no finite values from any of the starts")
     estimate = Estimate(problem, theta, spread(problem, theta), owners, units, scales)

@@ -77,6 +77,11 @@ class Plan(NamedTuple):
     def time(self):
         return self.path["time"]
 
+    @property
+    def sheared(self):
+        """Whether the path has shear strain or stress xz, or a rotation."""
+        return bool(np.any(self.spin)) or any(key.endswith("xz") and np.any(self.path[key]) for key in self.rows)
+
     def place(self, index):
         """Where point `index` of the path is, in words."""
         moving = [key for key, values in self.path.items() if key != "time" and np.any(values != values[0])] or list(self.rows)

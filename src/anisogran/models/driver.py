@@ -11,7 +11,7 @@ MOST_ITERATIONS, MOST_HALVINGS = 10, 30
 
 
 @subkernel
-def _solved(J, b, x):
+def solved(J, b, x):
     """Solves the 3 x 3 system J x = b by Cramer's rule; the determinant over the product of the lengths of the rows."""
     c0 = J[1, 1] * J[2, 2] - J[1, 2] * J[2, 1]
     c1 = J[1, 2] * J[2, 0] - J[1, 0] * J[2, 2]
@@ -44,7 +44,7 @@ def _guessed(goal, strain, last, of_strain, of_stress, guess, work):
             strained = strained or of_strain[i, j] != 0.0
         if strained:
             b[i] += goal[i]
-    return _solved(J, b, guess)
+    return solved(J, b, guess)
 
 
 @subkernel
@@ -80,7 +80,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
             worst = max(worst, abs(b[i]) / scale)
         if not np.isfinite(worst):
             return new, NOT_FINITE
-        determinant = _solved(J, b, x)
+        determinant = solved(J, b, x)
         if iteration == 0 and going_on and determinant * sign <= 0.0:
             return new, LOST_CONTROL  # another branch may be found, but the sample would jump to it
         if polished and worst <= 1.0:

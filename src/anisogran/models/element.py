@@ -129,17 +129,16 @@ def element_test(law, parameters, control, start=None, steps=None, integrator="m
     record = law_parameters(law, **_mapping("parameters", parameters))
     method = integrator_record(integrator)
     plan = planned(_mapping("control", control), steps)
-    if law == "scalar" and (np.any(plan.spin) or any(key.endswith("xz") and np.any(plan.path[key]) for key in plan.rows)):
+    if law == "scalar" and plan.sheared:
         raise InputError(f"element_test: {NO_SHEAR}")
-    state = _start(law, start, plan)
+    state = start_point(law, start, plan)
     LAWS[law].check_start(record, state)
     n = len(plan.goals)
     states, strains = np.empty((n + 1, 5)), np.empty((n + 1, 3))
     states[0], strains[0] = state, plan.first_strain
-    largest = max(np.max(np.abs(state[:3])), *(np.max(np.abs(plan.path[key])) for key in plan.rows if key.startswith("sigma")), 0.0)
     done, code = drive(
         method, record, states[0], plan.goals, plan.of_strain, plan.of_stress, np.diff(plan.spin), np.diff(plan.time),
-        _TOLERANCE * largest, states[1:], strains[1:],
+        stress_tolerance(plan, state), states[1:], strains[1:],
     )  # fmt: skip
     strains[1:] += strains[0]
     kept = slice(done + 1)
@@ -151,13 +150,18 @@ def element_test(law, parameters, control, start=None, steps=None, integrator="m
     return replace(test, status=status, reproduction=_reproduction(test, plan.path, done, method))
 
 
+def stress_tolerance(plan, state):
+    """To this a prescribed stress is met."""
+    return _TOLERANCE * max(float(np.max(np.abs(row))) for row in (state[:3], *(plan.path[k] for k in plan.rows if k[:5] == "sigma")))
+
+
 def _mapping(key, value):
     if not isinstance(value, Mapping):
         raise InputError(f"element_test: {key} must be a dict of names and numbers, is {value!r}")
     return value
 
 
-def _start(law, start, plan):
+def start_point(law, start, plan):
     """The `Point` at the start."""
     names = [name for name in LAWS[law].INTERNAL if name]
     stresses = {"sigma_xx", "sigma_zz", "sigma_xz"}

@@ -75,7 +75,7 @@ def midpoint(p, point, increment):
 def _outcome(p, area_fraction):
     if not area_fraction > 0.0:
         return EMPTY
-    return JAMMED if area_fraction >= p.phi_max else OK
+    return JAMMED if area_fraction >= p.phi_max.real else OK
 
 
 def trouble(p, point):

@@ -82,7 +82,7 @@ def midpoint(p, point, increment):
     sense = -1.0 if eps_D.real < 0.0 else 1.0
     strong = p.s_max != 0.0
     length = sense * eps_D
-    parts = substeps(length.real * p.B / (point.sigma_V.real * p.s_max) if strong else 0.0, 0.0)
+    parts = substeps(length.real * p.B.real / (point.sigma_V.real * p.s_max.real) if strong else 0.0, 0.0)
     if parts > MOST_SUBSTEPS:
         return point, RESOLUTION
     h = 1.0 / parts
@@ -115,7 +115,7 @@ def trouble(p, point):
     """The outcome that a state stands for by itself."""
     if not point.sigma_V.real > 0.0:
         return TENSION
-    return INDEFINITE if point.x.real**2 >= p.E * p.B else OK
+    return INDEFINITE if point.x.real**2 >= p.E.real * p.B.real else OK
 
 
 def check_start(p, point):

@@ -132,8 +132,8 @@ def midpoint(p, point, increment):
     """
     strong = p.s_max != 0.0
     length = size(increment.eps_1, increment.eps_2)
-    stiffest = p.two_G + max(p.excess, 0.0) * (point.x.real**2 + point.y.real**2)
-    relaxing = length.real * stiffest / (point.sigma_V.real * p.s_max) if strong else 0.0
+    stiffest = p.two_G.real + max(p.excess.real, 0.0) * (point.x.real**2 + point.y.real**2)
+    relaxing = length.real * stiffest / (point.sigma_V.real * p.s_max.real) if strong else 0.0
     parts = substeps(relaxing, increment.spin.real)
     if parts > MOST_SUBSTEPS:
         return point, RESOLUTION
@@ -170,7 +170,7 @@ def trouble(p, point):
     if not point.sigma_V.real > 0.0:
         return TENSION
     square = point.x.real**2 + point.y.real**2
-    return INDEFINITE if p.E * (p.two_G + p.excess * square) <= square else OK
+    return INDEFINITE if p.E.real * (p.two_G.real + p.excess.real * square) <= square else OK
 
 
 def check_start(p, point):
