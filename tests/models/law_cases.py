@@ -78,7 +78,7 @@ def failures(law):
     found = {
         "extension": ({"eps_V": [0.0, -0.01], "eps_D": 0.0}, None, {}, "tension"),
         "unreachable stress": ({"sigma_V": 100.0, "sigma_D": [0.0, 90.0]}, None, {}, "not reachable"),
-        "prescribed tension": ({"sigma_V": [100.0, -20.0], "sigma_D": 0.0}, None, {}, "not reachable"),
+        "prescribed tension": ({"sigma_V": [100.0, -20.0], "sigma_D": 0.0}, None, {}, "tension"),
     }
     if law == "mohr_coulomb":
         found["unreachable stress"] = (*found["unreachable stress"][:3], "gives way")

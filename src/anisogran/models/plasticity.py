@@ -143,9 +143,9 @@ def midpoint(p, point, increment):
 def trouble(p, point):
     """The outcome that a state stands for by itself."""
     sine, cohesion, _, _ = _strength(p, point.x.real)
-    if point.sigma_V.real * sine + cohesion < 0.0:
+    if (point.sigma_V.real * sine + cohesion).real < 0.0:
         return APEX
-    return TENSION if cohesion == 0.0 and point.sigma_V.real < 0.0 else OK  # a fluid has no apex
+    return TENSION if cohesion.real == 0.0 and point.sigma_V.real < 0.0 else OK  # a fluid has no apex
 
 
 def check_start(p, point):
