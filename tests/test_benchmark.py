@@ -9,6 +9,7 @@ import pytest
 from anisogran import cli
 from anisogran.benchmark import AREA_FRACTION, EFFECTS, made_packing, read_packing, sheared_packing
 from anisogran.dem import Linear, Luding
+from anisogran.models import INTEGRATORS, LAWS
 
 KEYS = {"particle_steps_per_s", "pairs_per_grain", "contacts_per_grain", "rebuilds", "late_builds", "bytes_per_grain"}
 
@@ -153,3 +154,25 @@ def test_a_file_that_cannot_be_made_is_refused_before_any_work(room, capsys, tmp
         cli.main(["bench", room, "--json", str(tmp_path / "no" / "a.json")])
     assert end.value.code == 2
     assert "cannot be written" in capsys.readouterr().err
+
+
+def test_laws_at_a_point_are_timed_beside_their_errors(capsys, tmp_path):
+    """Small: every law with every integrator; each error is of the order of its integrator, the default far below the explicit one."""
+    with pytest.raises(SystemExit) as end:
+        cli.main(["bench", "models", "--points", "300", "--repeats", "1", "--json", str(tmp_path / "m.json")])
+    assert end.value.code == 0
+    numbers = json.loads((tmp_path / "m.json").read_text())
+    assert len(numbers) == 2 + 5 * len(LAWS) * len(INTEGRATORS)
+    for law in LAWS:
+        for integrator in INTEGRATORS:
+            one = {
+                key.removeprefix(f"{law}_{integrator}_"): value for key, value in numbers.items() if key.startswith(f"{law}_{integrator}_")
+            }
+            assert one["million_per_s"] > 0.0
+            assert one["with_tangent_million_per_s"] > 0.0
+            assert one["curve_s"] > 0.0
+            assert one["error"] < 1e-2
+            assert one["curve_error"] < 1e-2
+        if law in ("scalar", "tensorial"):
+            assert numbers[f"{law}_rk45_error"] < 1e-3 * numbers[f"{law}_midpoint_error"] < 1e-4 * numbers[f"{law}_explicit_error"]
+    assert "tensorial_midpoint_million_per_s" in capsys.readouterr().out

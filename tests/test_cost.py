@@ -73,4 +73,32 @@ def test_an_unknown_room_is_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cli.main(["cost", "kitchen"])
     assert end.value.code == 2
-    assert "cost kitchen: must be one of averaging" in capsys.readouterr().err
+    assert "cost kitchen: must be one of averaging, models" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def law_rows(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cost") / "cost.json"
+    with pytest.raises(SystemExit) as end:
+        cli.main(["cost", "models", "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
+    assert end.value.code == 0
+    assert (path.parent / "pictures" / "cost-models.png").stat().st_size > 10_000
+    return json.loads(path.read_text())["models"]
+
+
+def test_integrators_of_the_laws_have_their_orders_and_the_default_is_marked(law_rows):
+    """A prescribed stress is met at the ends of steps, so that Runge-Kutta is of second order here too."""
+    for integrator, order in (("midpoint", 2.0), ("rk45", 2.0), ("explicit", 1.0)):
+        blocks = [row for row in law_rows if row["knob"].startswith(f"steps to a turn, {integrator}")]
+        for name in {row["knob"] for row in blocks}:
+            measured = -slope([row for row in blocks if row["knob"] == name])
+            assert measured == pytest.approx(order, abs=0.2)  # sub-steps of the coarsest steps help the midpoint
+            assert f"order {measured:.2f}" in name
+    marked = [row["value"] for row in law_rows if row["default"]]
+    assert marked == ["midpoint", "midpoint", 1e-9]
+    tolerances = block(law_rows, "tolerance of rk45")
+    assert [row["error"] for row in tolerances] == sorted((row["error"] for row in tolerances), reverse=True)
+    assert len(block(law_rows, "price of an update")) == 8
+    for row in law_rows:
+        assert set(row) == {"knob", "value", "error", "seconds", "default"}
+        assert row["seconds"] > 0

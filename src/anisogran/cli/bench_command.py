@@ -53,6 +53,18 @@ def bench_averaging(
     tell(json_file, lambda: averaging_benchmark(grains, repeats))
 
 
+@bench.command("models")
+def bench_models(
+    points: Annotated[int, typer.Option(help="Points that are updated at once.", min=1, max=10_000_000)] = 100_000,
+    repeats: Annotated[int, typer.Option(help="Runs that are timed; the median is told.", min=1)] = 5,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+):
+    """Laws at a point on one core: updates a second with and without tangent, and seconds of a curve, each beside its error."""
+    from anisogran.benchmark import models_benchmark
+
+    tell(json_file, lambda: models_benchmark(points, repeats))
+
+
 def tell(json_file, benchmark):
     """Runs the benchmark and prints its numbers (a dict), as JSON too if a file is given, which is tried before any work is done."""
     if json_file is not None:
@@ -64,5 +76,6 @@ def tell(json_file, benchmark):
         from anisogran.files import write_json
 
         write_json(json_file, numbers)
+    width = max(22, *map(len, numbers))
     for name, value in numbers.items():
-        print(f"{name:22} {value:.4g}" if isinstance(value, float) else f"{name:22} {value}")
+        print(f"{name:{width}} {value:.4g}" if isinstance(value, float) else f"{name:{width}} {value}")

@@ -9,7 +9,7 @@ from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
 from anisogran.outcome import InputError
 
-ROOMS = ("averaging",)
+ROOMS = ("averaging", "models")
 
 
 @app.command()
@@ -28,14 +28,14 @@ def cost(
 
         check_writable(json_file, "--json ")
     folder = None if out is None else output_folder(out, "cost", force)
-    from anisogran.cost import averaging_cost, table_text
+    from anisogran import cost as rooms
 
-    rows = averaging_cost(quick)
+    rows = rooms.ROOMS[room](quick)
     if json_file is not None:
         from anisogran.files import write_json
 
         write_json(json_file, {room: rows})
-    print(table_text(rows))
+    print(rooms.table_text(rows))
     if folder is not None:
         from anisogran.plots import cost_figure
 

@@ -1,6 +1,9 @@
 """What accuracy costs in time: error against seconds for each knob of a room, with the default marked."""
 
 from anisogran.cost.averages import averaging_cost
+from anisogran.cost.point_laws import models_cost
 from anisogran.cost.tables import table_text
 
-__all__ = ["averaging_cost", "table_text"]
+ROOMS = {"averaging": averaging_cost, "models": models_cost}
+
+__all__ = ["ROOMS", "averaging_cost", "models_cost", "table_text"]

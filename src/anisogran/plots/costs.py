@@ -38,6 +38,6 @@ def cost_figure(rows):
 
 
 def decades(values):
-    """The whole decades around the values, at least one, so that an axis has two labels."""
-    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+    """The whole decades around the values, at least one, so that an axis has two labels, and room above for a text."""
+    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(1.3 * max(values)))
     return 10.0**low, 10.0 ** max(high, low + 1)
