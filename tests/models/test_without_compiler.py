@@ -25,14 +25,14 @@ def numbers():
         turn = 0.0 if law == "scalar" else 1.0
         for integrator in INTEGRATORS:
             new = updated(
-                state(law, 100.0, -10.0, 5.0 * turn),
+                state(law, 100.0, -45.0, 5.0 * turn),
                 strain(1e-5, -1e-4, 1e-4 * turn),
                 record(law),
                 d_spin=1e-3 * turn,
                 integrator=integrator,
                 tangent=True,
             )
-            test = element_test(law, PARAMETERS[law], shearing(law), START[law], steps=3, integrator=integrator)
+            test = element_test(law, PARAMETERS[law], shearing(law, 3e-5), START[law], steps=3, integrator=integrator)
             found[f"{law} {integrator}"] = [*new.stress.ravel(), *new.tangent.ravel(), *test.stress.ravel(), *test.eps_V, str(test.status)]
     return found
 
