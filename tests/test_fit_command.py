@@ -131,13 +131,15 @@ def test_every_kind_fits_a_table_of_its_own_columns(rng, tmp_path, capsys):
         "exponential_decay": ({"x": 200 * r - 14, "v": np.exp(7 - 100 * r + 0.05 * rng.normal(size=60))}, {"length": 2.0}),
         "moduli": (curve, {"E": 2e4, "B": 1e4}),
         "path_moduli": (box, {"B": 1e4}),
+        "law": ({"eps_zz": test.eps_zz, "sigma_zz": test.sigma_zz, "eps_V": test.eps_V}, {"E": 2e4, "B": 1e4, "s_max": 0.4}),
     }
+    more = {"law": ["--law", "scalar", "--fixed", "beta_F=30,A_max=5e3"]}  # one path at constant pressure does not tell E and A apart
     assert set(tables) == set(KINDS)
     assert all(kind in NAMES for kind in KINDS)  # the help names them all
     for kind, (columns, truth) in tables.items():
         path, numbers, picture = tmp_path / f"{kind}.csv", tmp_path / "J.json", tmp_path / "fit.png"
-        table(path, columns, {"k1": 5e4, "k2": 1e5}, separator=",")
-        code, printed, error = run(capsys, kind, path, "--json", numbers, "--figure", picture)
+        table(path, columns, {"k1": 5e4, "k2": 1e5} | ({"p": 100.0} if kind == "law" else {}), separator=",")
+        code, printed, error = run(capsys, kind, path, "--json", numbers, "--figure", picture, *more.get(kind, []))
         assert code == 0, (kind, printed, error)
         values = json.loads(numbers.read_text())["values"]
         for name, value in truth.items():
@@ -296,6 +298,13 @@ def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
         (["relaxation", good, other, "--shared", "s_mx=all"], "shared parameter 's_mx' is unknown; did you mean 's_max'?"),
         (["relaxation", good, other, "--shared", "s_max=kc"], "s_max is shared by 'kc', which data set 'good' does not state"),
         (["moduli", compressed, "--shared", "E=all"], "fit moduli: has no parameters to share; --shared is for relaxation, mohr_coulomb"),
+        (["relaxation", good, "--law", "scalar"], "fit relaxation: takes no --law and no --fixed"),
+        (["law", compressed], "fit law: --law must be one of scalar, tensorial"),
+        (["law", compressed, "--law", "scalr"], "calibrate: law = 'scalr'; did you mean 'scalar'"),
+        (["law", compressed, "--law", "scalar", "--x", "eps_D"], "fit law: takes paths; no --x or --y-error"),
+        (["law", compressed, "--law", "scalar", "--y", "s_D"], "biaxial.h5: --y s_D: must be among sigma_zz, eps_V"),
+        (["law", compressed, "--law", "scalar", "--fixed", "E"], "--fixed E: 'E' must be PARAMETER=NUMBER"),
+        (["law", good, "--law", "scalar"], "good.txt: no column 'eps_zz'"),
         (["relaxation"], "Missing argument 'files'"),
     ]:
         code, printed, error = run(capsys, *arguments)

@@ -33,6 +33,15 @@ def test_biaxial_evolution(tmp_path, capsys):
     assert fits["s_D"].values["beta"] > fits["anisotropy"].values["beta"] > 0  # structure lags behind stress
 
 
+def test_biaxial_calibration(tmp_path, capsys):
+    path = str(tmp_path / "biaxial.h5")
+    script(ROOT / "data_generation" / "biaxial.py").main([path, "--quick"])
+    fit = script(ROOT / "fits" / "biaxial_calibration.py").main("scalar", path)
+    assert 0.3 < fit.values["s_max"] < 0.55
+    assert fit.tests[path].status
+    assert "sigma_zz: rms" in capsys.readouterr().out
+
+
 def test_contact_law(tmp_path, capsys):
     adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
     assert (tmp_path / "law.png").stat().st_size > 10_000

@@ -9,7 +9,7 @@ from anisogran.cli.application import NOT_TRUSTWORTHY, OK, app
 from anisogran.cli.folders import check_new_file
 from anisogran.outcome import InputError
 
-NAMES = "relaxation, mohr_coulomb, cohesion, mu_of_I, area_fraction, shear_band, exponential_decay, moduli or path_moduli"
+NAMES = "relaxation, mohr_coulomb, cohesion, mu_of_I, area_fraction, shear_band, exponential_decay, moduli, path_moduli or law"
 
 
 @app.command()
@@ -22,6 +22,8 @@ def fit(
     shared: Annotated[
         str | None, typer.Option(help="Fit the files at once: s_max=mu,beta=all (by equal conditions, a+b for two; the rest is own).")
     ] = None,
+    law: Annotated[str | None, typer.Option(help="For fit law: scalar, tensorial, mohr_coulomb; all files are fitted at once.")] = None,
+    fixed: Annotated[str | None, typer.Option(help="For fit law: parameters that are not fitted, as beta_F=40.")] = None,
     errors: Annotated[str, typer.Option(help="covariance, profile or bootstrap: where the 95 % intervals come from.")] = "covariance",
     out: Annotated[Path | None, typer.Option(help="HDF5 file for data and curves.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file for values, errors and verdict.")] = None,
@@ -31,23 +33,26 @@ def fit(
     """Parameters of a law, with errors and a verdict; exit code 5 if a fit is not trustworthy."""
     check_files(files, out, json_file, figure, force)
     from anisogran.cli import fit_report, fit_sources
+    from anisogran.cli.fit_law import numbers_of
 
-    law, way = fit_sources.kind_of(kind), fit_report.way_of(errors)
-    sets = fit_sources.data_sets(kind, law, files, x, y, y_error, apart=shared is not None)
-    done = [fit_report.Told(one, way(one.result)) for one in fit_sources.fits(kind, law, sets, fit_sources.sharing(shared))]
+    entry, way = fit_sources.kind_of(kind), fit_report.way_of(errors)
+    sets = fit_sources.data_sets(kind, entry, files, x, y, y_error, apart=shared is not None)
+    chosen = y.split(",") if y and entry.whole else None
+    fitted = fit_sources.fits(kind, entry, sets, fit_sources.sharing(shared), law, numbers_of(fixed), chosen)
+    done = [fit_report.Told(one, way(one.result)) for one in fitted]
     print("\n\n".join(fit_report.text(one) for one in done))
     if json_file is not None:
         from anisogran.files import write_json
 
         write_json(json_file, fit_report.numbers(kind, files, done))
     if out is not None or figure is not None:
-        curves = [curve for one in done for curve in fit_report.curves(law, one.fitted)]
+        curves = [curve for one in done for curve in fit_report.curves(entry, one.fitted)]
         if out is not None:
             fit_report.save(out, kind, done, curves)
         if figure is not None:
             from anisogran.plots import fit_figure
 
-            fit_figure(curves, law.log).savefig(figure, dpi=150)
+            fit_figure(curves, entry.log).savefig(figure, dpi=150)
     raise typer.Exit(OK if all(one.fitted.result.verdict for one in done) else NOT_TRUSTWORTHY)
 
 

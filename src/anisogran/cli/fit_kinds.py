@@ -18,7 +18,7 @@ class Kind(NamedTuple):
     "errors" of y if there are any; `together(sets, shared)` that of several data sets. Points of `pooled` kinds are runs of their own,
     and all files are one data set. `more(rows, result)` finds what stands beside the fit, {name: object that prints as one line}.
     `log` names the axes of the picture that are logarithmic, `panels` its pairs (x, y), default: x and y. Where the result has a data
-    set for each value of a row, this is `split`.
+    set for each value of a row, this is `split`. A kind that is `whole` is one fit of all files, with curves of its own, see `fit_law`.
     """
 
     columns: tuple
@@ -31,6 +31,7 @@ class Kind(NamedTuple):
     log: str = ""
     panels: tuple = ()
     split: str = ""
+    whole: bool = False
 
 
 # rows made of others, where a file has only these
@@ -128,4 +129,5 @@ KINDS = {
     "exponential_decay": Kind((("depth", "x", "r"), ("v_phi", "v")), ("profiles",), xy_fit(fitting.exponential_decay), log="y"),
     "moduli": Kind(_CURVE, ("series",), initial_moduli, more=implied, panels=_BOTH_STRESSES),
     "path_moduli": Kind(_CURVE, ("series",), whole_curve, optional=("anisotropy",), more=implied, panels=_BOTH_STRESSES),
+    "law": Kind((("eps_zz",), ("sigma_zz",), ("eps_V",)), ("series",), None, whole=True),
 }

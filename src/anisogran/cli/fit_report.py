@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from anisogran.cli.fit_law import drawn
 from anisogran.outcome import InputError
 from anisogran.plots.fits import FittedCurve
 
@@ -61,8 +62,10 @@ def text(told):
         if not (np.isnan(one.low) or np.isnan(one.high)):
             words.append(f"(95 %: {one.low:.5g} .. {one.high:.5g})")
         lines.append(f"  {name:{width}} = {value:.6g}  {'  '.join(words)}" + (f"; {one.remark}" if one.remark else ""))
-    used = f"  {result.points} points, {result.x_range[0]:.4g} .. {result.x_range[1]:.4g}"
-    lines.append(used + (f", {result.cut} left out after them" if result.cut else "") + f"; rms residual {result.residuals['rms']:.3g}")
+    whole = "law_figures" in fitted.more  # its abscissa is the number of the point, its residuals are in errors
+    used = f"  {result.points} points" + ("" if whole else f", {result.x_range[0]:.4g} .. {result.x_range[1]:.4g}")
+    rest = f"; rms residual {result.residuals['rms']:.3g}" + (" errors" if whole else "")
+    lines.append(used + (f", {result.cut} left out after them" if result.cut else "") + rest)
     lines += [f"  {value}" for value in fitted.more.values()]
     lines.append("  trustworthy" if result.verdict else "  not trustworthy:")
     lines += [f"    {reason}" for reason in result.verdict.reasons]
@@ -102,6 +105,8 @@ def plain_result(told):
 
 def curves(kind, fitted):
     """The `FittedCurve`s of a fit: one for each data set and panel."""
+    if kind.whole:
+        return drawn(fitted)
     if kind.panels:
         return [curve for one in fitted.sets for curve in stress_curves(kind, fitted, one)]
     return [xy_curve(kind, fitted.result, part) for one in fitted.sets for part in parts(kind, one)]

@@ -6,6 +6,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from anisogran.cli.fit_kinds import DERIVED, KINDS, with_peaks
+from anisogran.cli.fit_law import calibrated, path_rows
 from anisogran.files import read_columns
 from anisogran.outcome import InputError
 
@@ -54,6 +55,8 @@ def sharing(text):
 
 def data_sets(name, kind, files, x=None, y=None, y_error=None, apart=False):
     """The `RowsOfFile` of all files; one of all of them if the points are runs of their own, unless they are to be kept `apart`."""
+    if kind.whole and (x or y_error):
+        raise InputError(f"fit {name}: takes paths; no --x or --y-error, and --y names the measured columns that count, as sigma_zz,eps_V")
     if kind.panels and (x or y or y_error):
         raise InputError(f"fit {name}: takes {', '.join(names[0] for names in kind.columns)}; no --x, --y or --y-error")
     again = [path for path in files if files.count(path) > 1]
@@ -63,6 +66,8 @@ def data_sets(name, kind, files, x=None, y=None, y_error=None, apart=False):
     tables = [read_columns(path) for path in files]
     if kind.pooled:
         tables = [with_peaks(one) for one in tables]
+    if kind.whole:
+        return [RowsOfFile(label, one.path, *path_rows(one), one.conditions) for label, one in zip(labels, tables, strict=True)]
     sets = [rows_of(label, one, kind, x, y, y_error) for label, one in zip(labels, tables, strict=True)]
     if not kind.pooled or apart or len(sets) == 1:
         return sets
@@ -116,8 +121,16 @@ def there(columns, name, groups):
     return columns.has(name, groups) or (name in DERIVED and all(columns.has(source, groups) for source in DERIVED[name][0]))
 
 
-def fits(name, kind, sets, shared):
-    """The `Fitted` of the data sets: one each, or one of all of them with shared parameters."""
+def fits(name, kind, sets, shared, law=None, fixed=None, chosen=None):
+    """The `Fitted` of the data sets: one each, or one of all of them with shared parameters.
+
+    `law`, `fixed` and the `chosen` columns are for a whole law.
+    """
+    if kind.whole:
+        result, figures = calibrated(sets, law, shared, fixed, chosen)
+        return [Fitted(f"{len(sets)} files" if len(sets) > 1 else sets[0].label, result, sets, {"law_figures": figures})]
+    if law is not None or fixed is not None:
+        raise InputError(f"fit {name}: takes no --law and no --fixed; they are for fit law")
     if shared is not None:
         if kind.together is None:
             able = ", ".join(key for key, one in KINDS.items() if one.together is not None)

@@ -18,7 +18,9 @@ from anisogran.models.laws import LAWS
 from anisogran.outcome import InputError, checked
 
 MISFIT = 2.0  # errors; a law that leaves more than this does not follow a curve
-_FAR = 1e3  # moduli and rates stay within this factor of the first guess
+_FAR = 10.0  # moduli stay within this factor of the first guess: where a law is wrong they would run away, and stiffness costs time
+_FAR_RATE = 1e3  # rates likewise
+_LEAST = 0.2  # of the first guess, the smallest limit of a stress ratio
 _MODEST = 0.2  # of sqrt(E B): A_max is compared with this, since it may be zero
 
 
@@ -33,13 +35,13 @@ def calibrate(law, curves, *, free=(), fixed=None, ties=None, own=(), shared=Non
              share; all others are shared by all
     start    {name: value} of some or all free parameters, to begin with; else from relaxation and initial slopes of the curves
 
-    Every point counts by its error. By default a column has one error, its scatter about a smooth curve, at least 0.1 % of its range; the
+    Every point counts by its error. By default a column has one error, its scatter about a smooth curve, at least 1 % of its range; the
     remarks say which. A law that leaves more than `MISFIT` errors on a column does not follow it: the verdict is false and there are no
     error bars, since what is left is no noise. Give larger errors to say how near a law needs to be.
     Trial parameters with which the law cannot follow a path to its end are penalised, see `LawPaths`; if the best fit itself is such, the
     verdict is false and says where it ends. Noise in what is prescribed is not known of; above all strains that go back and forth in a
-    measured control are taken as reversals. Parameters stay within 1000 times the first guess. The law is one of the path, so that the
-    points of a curve are taken as a series, with correlated residuals.
+    measured control are taken as reversals. Moduli stay within 10 times the first guess, rates within 1000 times.
+    The points of a curve are taken as a series, with correlated residuals.
     Raises InputError for what makes no sense, naming curve, parameter or column; NotConverged if no start gives a curve.
     """
     where = "calibrate"
@@ -139,8 +141,9 @@ def _parameter(name, first):
     value = first[name]
     if name == "A_max":  # of either sign, or zero
         unit = _MODEST * float(np.sqrt(first["E"] * first["B"])) if {"E", "B"} <= set(first) else abs(value)
-        return Parameter(name, unit, -_FAR, _FAR, level=True)
+        return Parameter(name, unit, -_FAR / _MODEST, _FAR / _MODEST, level=True)
     if not value > 0.0:
         raise InputError(f"calibrate: start: {name} = {value:g} must be above 0")
-    highest = (0.5 * np.pi if name.startswith(("phi", "psi")) and name != "phi_max" else 1.0) / value if bounded(name) else _FAR
-    return Parameter(name, value, 0.0 if bounded(name) else 1.0 / _FAR, highest)
+    far = _FAR_RATE if name.startswith("beta") else _FAR
+    highest = (0.5 * np.pi if name.startswith(("phi", "psi")) and name != "phi_max" else 1.0) / value if bounded(name) else far
+    return Parameter(name, value, _LEAST if bounded(name) else 1.0 / far, highest)

@@ -14,7 +14,7 @@ from anisogran.models.path_slopes import PreparedPath
 from anisogran.outcome import InputError
 
 _WINDOW = 0.1  # of the points, under one parabola of the smooth curve
-_FLOOR = 1e-3  # of the range of a column: no law is asked to be nearer than this
+_FLOOR = 0.01  # of the range of a column: no law is asked to be nearer than this, and no smooth column outvotes the others
 _STEP = 1e-30  # of complex numbers
 
 
@@ -144,13 +144,13 @@ def _scatter(where, name, row):
         raise InputError(f"{where}: {name} is {row[0]:g} all along; leave it out, or give errors")
     window = max(5, 2 * round(0.5 * _WINDOW * row.size) + 1)
     if row.size < 2 * window:
-        return 0.01 * extent, "1 % of its range (too few points to tell its scatter)"
+        return _FLOOR * extent, f"{_FLOOR:.0%} of its range (too few points to tell its scatter)"
     x = np.arange(window) - window // 2
     weights = np.linalg.pinv(np.vander(x, 3))[2]  # the parabola at the middle of the window
     left = row[window // 2 : -(window // 2)] - np.convolve(row, weights[::-1], mode="valid")
     scatter = 1.4826 * float(np.median(np.abs(left))) / np.sqrt(1.0 - weights[window // 2])
     if scatter < _FLOOR * extent:
-        return _FLOOR * extent, f"{_FLOOR:.1%} of its range (its scatter about a smooth curve is {scatter:.2g})"
+        return _FLOOR * extent, f"{_FLOOR:.0%} of its range (its scatter about a smooth curve is {scatter:.2g})"
     return scatter, "its scatter about a smooth curve"
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import leastsq
 
 _COMPLEX_STEP = 1e-30
 _TOLERANCE = 1e-12  # of the minimiser, relative; its noise of rounding lies some decades lower
-_EVALUATIONS = 100  # for each variable and one more, before a valley without a floor is left
+EVALUATIONS = 100  # for each variable and one more, before a valley without a floor is left
 _WARM = 15  # the same for a start that is close
 _ENDED = 1, 2, 3, 4  # what MINPACK says when it has found a minimum
 _FEW = 500  # points up to which one data set is left as it is
@@ -140,7 +140,7 @@ class _Minimiser(lmfit.Minimizer):
         pass
 
 
-def minimum(problem, guess, held=(), tolerance=_TOLERANCE, evaluations=_EVALUATIONS):
+def minimum(problem, guess, held=(), tolerance=_TOLERANCE, evaluations=EVALUATIONS):
     """(theta, chi^2) of Levenberg-Marquardt from one start, inside the bounds; the variables numbered in `held` keep their values.
 
     chi^2 is inf where no place with a finite curve was found.

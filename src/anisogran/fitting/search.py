@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.fitting.problem import follow, minimum
+from anisogran.fitting.problem import EVALUATIONS, follow, minimum
 from anisogran.fitting.spread import components
 
 _ROUGH = 1e-6  # tolerance of the minimiser for all starts, far below the hundredth by which minima are told apart
+_FEW = 15  # evaluations for each variable and one more: for curves that are dear
 _MANY = 4000  # data sets with more points are thinned while the starts are tried; the best one is polished on all
 
 
@@ -50,22 +51,22 @@ def _alone_first(part, guesses):
 
 def _joint_first(part, guesses):
     """As `_alone_first`, the other way round."""
-    one = lowest(part, _of_all(part, guesses))
-    return one, [one] if len(guesses) == 1 else _alone(part, [[one.theta[variables]] for variables in part.index])
+    one = lowest(part, _of_all(part, guesses), _FEW)
+    return one, [one] if len(guesses) == 1 else _alone(part, [[one.theta[variables]] for variables in part.index], _FEW)
 
 
-def _alone(part, guesses):
-    return [lowest(part.apart().part([k])[0], some) for k, some in enumerate(guesses)]
+def _alone(part, guesses, *evaluations):
+    return [lowest(part.apart().part([k])[0], some, *evaluations) for k, some in enumerate(guesses)]
 
 
 def _of_all(part, guesses):
     return [_together(part.index, some) for some in zip(*guesses, strict=True)]
 
 
-def lowest(problem, starts):
-    """The `Found` of a problem whose data sets all belong together, from guesses of shape (P,)."""
+def lowest(problem, starts, evaluations=EVALUATIONS):
+    """The `Found` of a problem whose data sets all belong together, from guesses of shape (P,); `evaluations` as of `minimum`."""
     thin = problem.thinned(_MANY)
-    tried = [minimum(thin, guess, tolerance=_ROUGH) for guess in starts]
+    tried = [minimum(thin, guess, tolerance=_ROUGH, evaluations=evaluations) for guess in starts]
     chi_squares = tuple(chi_square for _, chi_square in tried)
     best = int(np.argmin(chi_squares))
     theta, chi_square = follow(problem, tried[best][0])
