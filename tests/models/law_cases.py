@@ -81,7 +81,6 @@ def failures(law):
         "prescribed tension": ({"sigma_V": [100.0, -20.0], "sigma_D": 0.0}, None, {}, "tension"),
     }
     if law == "mohr_coulomb":
-        found["unreachable stress"] = (*found["unreachable stress"][:3], "gives way")
         return found | {"brittle": (pure_shear([0.0, 0.01]), None, {"beta": 1e4}, "snap-back")}
     too_far = 1.1 * np.sqrt(PARAMETERS[law]["E"] * PARAMETERS[law]["B"])
     change = {"A_max": too_far} | ({"B": 5e4, "G": 2.5e4} if law == "tensorial" else {})

@@ -205,3 +205,19 @@ def test_a_fluid_bears_no_tension():
     fluid = record("mohr_coulomb", phi=0.0, phi_residual=0.0, psi=0.0, c=0.0)
     with pytest.raises(InputError, match="goes into tension"):
         updated(state("mohr_coulomb"), strain(-0.01, 1e-3), fluid)
+
+
+@pytest.mark.parametrize(("integrator", "tolerance"), [("midpoint", 1e-9), ("rk45", 1e-9), ("explicit", 2e-3)])
+def test_a_yield_within_a_step_is_met_by_every_integrator(integrator, tolerance):
+    """C13: no tangent of Runge-Kutta tells how the moment of yielding shifts, so Newton's method goes on along the secant."""
+    ends = [
+        element_test("mohr_coulomb", PARAMETERS["mohr_coulomb"], biaxial([0.0, 0.01], 100.0), None, n, integrator) for n in (3, 10, 100)
+    ]
+    for test in ends:
+        assert test.status.level == "ok"
+        kappa = test.internal["kappa"][-1]
+        sine = np.sin(0.3) + (np.sin(0.4) - np.sin(0.3)) * np.exp(-30.0 * kappa)
+        c_cos = 2.0 * np.cos(0.3) + 2.0 * (np.cos(0.4) - np.cos(0.3)) * np.exp(-30.0 * kappa)
+        # on the yield line in the box: sigma_D = sine (100 + sigma_D) + c_cos
+        assert test.sigma_zz[-1] == pytest.approx(100.0 + 2.0 * (100.0 * sine + c_cos) / (1.0 - sine), rel=tolerance)
+        assert test.sigma_zz[-1] == pytest.approx(221.8434932861, rel=tolerance)  # all integrators and 1e4 steps meet there

@@ -50,8 +50,8 @@ def _guessed(goal, strain, last, of_strain, of_stress, guess, work):
 @subkernel
 def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, time, tolerance, sign, going_on, work):
     """(state, outcome) of the increment that meets the three goals, left in `guess` (3,), which holds the first guess."""
-    J, b, x, tangent = work
-    code, met, polished = OK, OK, False
+    J, b, x, tangent, missed_before = work
+    code, met, polished, worst_before = OK, OK, False, np.inf
     for iteration in range(MOST_ITERATIONS + 2):
         new, code = tangent_at(method, p, point, Increment(guess[0], guess[1], guess[2], spin, time), tangent)
         for _ in range(MOST_HALVINGS):
@@ -80,6 +80,14 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
             worst = max(worst, abs(b[i]) / scale)
         if not np.isfinite(worst):
             return new, NOT_FINITE
+        if worst > max(1.0, 0.3 * worst_before):  # slow: the tangent does not see a yield within the step, so take the secant along it
+            squares = x[0] ** 2 + x[1] ** 2 + x[2] ** 2
+            for i in range(3):
+                change = (missed_before[i] - b[i] - J[i, 0] * x[0] - J[i, 1] * x[1] - J[i, 2] * x[2]) / squares
+                for j in range(3):
+                    J[i, j] += change * x[j]
+        worst_before = worst
+        missed_before[:] = b
         determinant = solved(J, b, x)
         if iteration == 0 and going_on and determinant * sign <= 0.0:
             return new, LOST_CONTROL  # another branch may be found, but the sample would jump to it
@@ -103,7 +111,7 @@ def drive(method, p, start, goals, of_strain, of_stress, spins, times, tolerance
     spins and times (n,) are increments. Fills states (n, 5) and strains (n, 3), total. `tolerance` is that of a stress.
     """
     point = Point(start[0], start[1], start[2], start[3], start[4])
-    work = (np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)))
+    work = (np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), np.empty(3))
     strain, last, guess, before = np.zeros(3), np.zeros(3), np.empty(3), goals[0].copy()
     by_strain = not np.any(of_stress)
     for n in range(goals.shape[0]):
