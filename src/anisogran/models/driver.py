@@ -59,7 +59,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
                 break
             if code == RESOLUTION:  # Newton runs off to where the stress no longer grows
                 return new, NOT_REACHABLE
-            met = code
+            met, worst_before = code, np.inf  # a secant needs whole steps
             for j in range(3):  # too far, into a state that the law does not know
                 x[j] *= 0.5
                 guess[j] -= x[j]
@@ -80,7 +80,7 @@ def _step(method, p, point, strain, goal, of_strain, of_stress, guess, spin, tim
             worst = max(worst, abs(b[i]) / scale)
         if not np.isfinite(worst):
             return new, NOT_FINITE
-        if worst > max(1.0, 0.3 * worst_before):  # slow: the tangent does not see a yield within the step, so take the secant along it
+        if worst > max(1.0, 0.5 * worst_before):  # slow: the tangent does not see a yield within the step, so take the secant along it
             squares = x[0] ** 2 + x[1] ** 2 + x[2] ** 2
             for i in range(3):
                 change = (missed_before[i] - b[i] - J[i, 0] * x[0] - J[i, 1] * x[1] - J[i, 2] * x[2]) / squares

@@ -105,10 +105,10 @@ def path_slope(method, p, states, increments, spins, times, of_strain, of_stress
         new, _ = advanced(method, p, start, step)
         for i in range(5):
             partial[i] = new[i].imag / STEP
-        for i in range(3):  # what is prescribed does not change with the parameters
+        for i in range(3):  # what is prescribed does not change with the parameters, the strains so far included
             b[i] = 0.0
             for j in range(3):
-                b[i] -= of_strain[i, j] * d_strains[n, j] + of_stress[i, j] * partial[j]
+                b[i] -= of_stress[i, j] * partial[j]
                 J[i, j] = of_strain[i, j]
                 for k in range(3):
                     J[i, j] += of_stress[i, k] * tangents[n, k, j]
