@@ -20,7 +20,10 @@ def fit(
     y: Annotated[str | None, typer.Option(help="Column that is fitted.")] = None,
     y_error: Annotated[str | None, typer.Option(help="Column of its errors; default: the one named Y_error, if there.")] = None,
     shared: Annotated[
-        str | None, typer.Option(help="Fit the files at once: s_max=mu,beta=all (by equal conditions, a+b for two; the rest is own).")
+        str | None,
+        typer.Option(
+            help="Fit the files at once: s_max=mu,beta=all (by equal conditions, a+b for two; the rest is own, for law shared by all)."
+        ),
     ] = None,
     law: Annotated[str | None, typer.Option(help="For fit law: scalar, tensorial, mohr_coulomb; all files are fitted at once.")] = None,
     fixed: Annotated[str | None, typer.Option(help="For fit law: parameters that are not fitted, as beta_F=40.")] = None,
