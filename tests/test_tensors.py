@@ -46,3 +46,14 @@ def test_deviator_in_three_dimensions(rng):
 def test_simple_shear_has_its_engineering_rate():
     gradient = np.array([[0.0, 0.3], [0.0, 0.0]])
     assert 2 * tensors.deviator_size(gradient) == pytest.approx(0.3)
+
+
+def test_a_plane_tensor_is_its_three_parts(rng):
+    parts = rng.normal(size=(3, 4))
+    t = tensors.plane_tensor(parts)
+    assert t.shape == (2, 2, 4)
+    np.testing.assert_allclose(tensors.plane_parts(t), parts, rtol=1e-14, atol=1e-15)  # sums of two numbers
+    np.testing.assert_allclose(parts[0], tensors.mean(t), rtol=1e-14, atol=1e-15)
+    np.testing.assert_allclose(np.hypot(*parts[1:]), tensors.deviator_size(t), rtol=1e-14)
+    skew = np.array([[0.0, 1.0], [-1.0, 0.0]])[:, :, None]
+    np.testing.assert_allclose(tensors.plane_parts(t + skew), parts, rtol=1e-13, atol=1e-15)  # only the symmetric part counts

@@ -5,6 +5,7 @@ A function either returns a result that it stands for, or raises one of the exce
 """
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from math import isfinite
 
 
@@ -58,6 +59,11 @@ class Status:
         """Nothing, if the result can be used; else raises RunFailed with the reasons."""
         if self.level == "failed":
             raise RunFailed("; ".join(self.reasons))
+
+
+def closest(word, known):
+    """Of the known names the one that is spelt most like the word, for a message that asks "did you mean ...?"."""
+    return get_close_matches(str(word), [str(name) for name in known], n=1, cutoff=0.0)[0]
 
 
 def checked(where, key, value, *, above=None, at_least=None, below=None, at_most=None, unit=""):

@@ -30,6 +30,18 @@ def deviator(t):
     return t - mean(t) * identity
 
 
+def plane_parts(t):
+    """Half/half: mean, (t_11 - t_22)/2 and the symmetric t_12 of a 2D tensor, shape (3, ...); the deviator is the last two."""
+    (xx, xy), (yx, yy) = np.asarray(t)
+    return np.array([0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)])
+
+
+def plane_tensor(parts):
+    """The symmetric 2D tensor of its `plane_parts`, shape (2, 2, ...)."""
+    middle, first, second = parts
+    return np.array([[middle + first, second], [second, middle - first]])
+
+
 def deviator_size(t):
     """|dev| = sqrt(dev : dev / 2) of the symmetric part, >= 0, shape (...); in 2D half the difference of the eigenvalues."""
     t = symmetric(t)

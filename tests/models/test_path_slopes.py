@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from anisogran.models import controls, element_test, law_parameters
-from anisogran.models.path_slopes import PreparedPath
+from anisogran.models.path_slopes import slopes_along
+from anisogran.models.prepared_path import PreparedPath
 
 SCALAR = {"E": 2e4, "B": 1e4, "s_max": 0.3, "A_max": 4e3, "beta_F": 50.0}
 TENSORIAL = SCALAR | {"G": 4e3}
@@ -39,7 +40,7 @@ def test_slopes_are_differences_of_curves(case):
         differences.append([(a - b) / 2e-5 for a, b in zip(path.driven(high)[:2], path.driven(low)[:2], strict=True)])
     driven = path.driven(record(values))
     assert len(driven.states) == path.size == 60
-    slopes = path.slopes(record(values), directions, driven)
+    slopes = slopes_along(path, record(values), directions, driven)
     inner = max(np.max(np.abs(driven.states[:, 3:])), 1e-12)
     sizes = np.repeat([np.max(np.abs(driven.states[:, :3])), inner], [3, 2]), np.max(np.abs(driven.strains))
     for k, size in enumerate(sizes):

@@ -1,12 +1,11 @@
 """The TOML file of an element test: read, checked, and written as a template."""
 
 import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 
 from anisogran.models import LAWS
 from anisogran.models.controls import KINDS
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, closest
 
 LARGEST = 1_000_000  # bytes of a file that somebody wrote
 _KEYS = ("law", "integrator", "steps", "parameters", "start", "control")
@@ -43,7 +42,7 @@ def read_element(path):
         raise InputError(f"{path}: not a TOML file ({' '.join(str(error).split())})") from None
     for key in content:
         if key not in _KEYS:
-            raise InputError(f"{path}: unknown key {key!r}, did you mean {_nearest(key, _KEYS)!r}? It has {', '.join(_KEYS)}")
+            raise InputError(f"{path}: unknown key {key!r}, did you mean {closest(key, _KEYS)!r}? It has {', '.join(_KEYS)}")
     for key in ("law", "parameters", "control"):
         if key not in content:
             raise InputError(f"{path}: {key} is missing")
@@ -69,7 +68,7 @@ def _control(path, table):
     for key in table:
         if key not in (*known, "time"):
             raise InputError(
-                f"{path}: [control] unknown key {key!r}, did you mean {_nearest(key, known)!r}? {kind} has {', '.join(known)}, time"
+                f"{path}: [control] unknown key {key!r}, did you mean {closest(key, known)!r}? {kind} has {', '.join(known)}, time"
             )
     time = {"time": table.pop("time")} if "time" in table else {}
     needed = known[: len(known) - len(build.__defaults__ or ())]
@@ -77,10 +76,6 @@ def _control(path, table):
     if missing:
         raise InputError(f"{path}: [control] {', '.join(missing)} missing; {kind} has {', '.join(known)}")
     return build(**table) | time
-
-
-def _nearest(key, known):
-    return get_close_matches(str(key), known, 1, 0.0)[0]
 
 
 def element_template(law):

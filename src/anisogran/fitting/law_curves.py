@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +9,8 @@ import numpy as np
 from anisogran.fitting.sharing import words
 from anisogran.models.controls import ROWS
 from anisogran.models.laws import LAWS
-from anisogran.models.path_slopes import PreparedPath
-from anisogran.outcome import InputError
+from anisogran.models.prepared_path import PreparedPath
+from anisogran.outcome import InputError, closest
 
 _WINDOW = 0.1  # of the points, under one parabola of the smooth curve
 _FLOOR = 0.01  # of the range of a column: no law is asked to be nearer than this, and no smooth column outvotes the others
@@ -104,8 +103,7 @@ def _measured(law, label, curve):
     known = known_columns(law)
     for name in curve.observed:
         if name not in known:
-            near = get_close_matches(str(name), known, 1, 0.0)[0]
-            raise InputError(f"{where}: unknown column {name!r}, did you mean {near!r}? There are {', '.join(known)}")
+            raise InputError(f"{where}: unknown column {name!r}, did you mean {closest(name, known)!r}? There are {', '.join(known)}")
         if name in path.plan.rows:
             raise InputError(f"{where}: {name} is prescribed, it cannot be fitted as well")
     rows = np.array([_row(where, name, row, path.size) for name, row in curve.observed.items()])

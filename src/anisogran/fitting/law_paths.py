@@ -4,6 +4,7 @@ import numpy as np
 
 from anisogran.fitting.law_curves import column, column_slopes
 from anisogran.models.laws import law_parameters
+from anisogran.models.path_slopes import slopes_along
 from anisogran.models.point import OK
 from anisogran.outcome import InputError
 
@@ -90,7 +91,7 @@ class LawPaths:
             return np.full((theta.size, one.rows.size), np.nan)
         if not np.array_equal(self._turned[0], values):  # the same for all curves that share the parameters
             self._turned = values, self._directions(values)
-        d_states, d_strains = one.path.slopes(self.record(values), self._turned[1], driven)
+        d_states, d_strains = slopes_along(one.path, self.record(values), self._turned[1], driven)
         n, slopes = len(driven.states), np.zeros((theta.size, *one.rows.shape))
         for k, name in enumerate(one.names):
             slopes[:, k, :n] = column_slopes(self.law, name, driven, d_states, d_strains)

@@ -2,7 +2,6 @@
 
 import lmfit
 import numpy as np
-from scipy.stats import t as student
 
 from anisogran.fitting.gate import RANDOM_SIGNS, STARTS, Evidence, Source, Verdict, judge
 from anisogran.fitting.profile import Profile
@@ -20,13 +19,8 @@ _SIGNIFICANT = 3.0  # standard errors
 class ModuliFit(FitResult):
     """A `FitResult` whose law is linear: one data set, no starts, and errors that the covariance tells in full."""
 
-    def interval(self, name, level=0.95):
-        """As in `FitResult`."""
-        self._check(name, level)
-        if not np.isfinite(self.errors[name]):
-            return float("nan"), float("nan")
-        half = float(student.ppf(0.5 + 0.5 * level, self.free)) * self.errors[name]
-        return self.values[name] - half, self.values[name] + half
+    def _free_of(self, name):
+        return self.free
 
     def profile(self, name, level=0.95):
         """As in `FitResult`; for a linear law it is the interval."""

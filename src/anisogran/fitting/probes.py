@@ -6,6 +6,7 @@ from scipy.optimize import minimize_scalar
 from anisogran.fitting.linear_moduli import coupling, estimate, undetermined
 from anisogran.fitting.moduli_verdict import moduli_result
 from anisogran.outcome import InputError, checked
+from anisogran.tensors import plane_parts, plane_tensor
 
 _ANGLES = 45  # of the scan for phi_C; chi^2 has at most four waves in its period of 90 degrees
 _CELL = 0.5 * np.pi / _ANGLES
@@ -79,11 +80,7 @@ def _components(d_eps, d_sigma, errors):
         raise InputError("probed_moduli: no finite probe with a strain")
     if np.any(error[finite] <= 0.0):
         raise InputError(f"probed_moduli: errors must be above 0, the smallest is {error[finite].min():g}")
-    strain, stress = (
-        np.array([0.5 * (t[0, 0] + t[1, 1]), 0.5 * (t[0, 0] - t[1, 1]), 0.5 * (t[0, 1] + t[1, 0])])
-        for t in (d_eps[:, :, finite], d_sigma[:, :, finite])
-    )
-    return strain, stress, 1.0 / error[finite], int(finite.size - finite.sum())
+    return plane_parts(d_eps[:, :, finite]), plane_parts(d_sigma[:, :, finite]), 1.0 / error[finite], int(finite.size - finite.sum())
 
 
 def _columns(strain, phi_C):
@@ -129,8 +126,6 @@ def _stands_out(strain, stress, how, least, free):
 
 def _response(d_eps, E, A, B, G=np.nan, phi_C=0.0):
     """d sigma[i, j, ...]; nan where a G that is not known is needed."""
-    strain = np.array([0.5 * (d_eps[0, 0] + d_eps[1, 1]), 0.5 * (d_eps[0, 0] - d_eps[1, 1]), 0.5 * (d_eps[0, 1] + d_eps[1, 0])])
-    columns = _columns(strain, phi_C)
+    columns = _columns(plane_parts(d_eps), phi_C)
     shear = np.where(columns["G"] == 0.0, 0.0, G * columns["G"])
-    V, x, y = E * columns["E"] + A * columns["A"] + B * columns["B"] + shear
-    return np.array([[V + x, y], [y, V - x]])
+    return plane_tensor(E * columns["E"] + A * columns["A"] + B * columns["B"] + shear)

@@ -88,8 +88,12 @@ class FitResult:
         self._check(name, level)
         if not np.isfinite(self.errors[name]):
             return float("nan"), float("nan")
-        half = float(student.ppf(0.5 + 0.5 * level, self._estimate.spread.free_of[self._estimate.names.index(name)])) * self.errors[name]
+        half = float(student.ppf(0.5 + 0.5 * level, self._free_of(name))) * self.errors[name]
         return self.values[name] - half, self.values[name] + half
+
+    def _free_of(self, name):
+        """The degrees of freedom behind the error of a parameter."""
+        return self._estimate.spread.free_of[self._estimate.names.index(name)]
 
     def profile(self, name, level=0.95):
         """The `Profile` of one parameter: limits that need not lie symmetrically, or an outcome that says why there are none.

@@ -67,7 +67,7 @@ class _Curve:
 
     def columns(self, s_max):
         """{name: d stress/d parameter (2, n)}."""
-        # unlike in the law, S may fall below 0: noise about the plateau, cut off on one side, would add up along the path
+        # S may fall below 0, as in the law: noise about the plateau, cut off on one side, would add up along the path
         softened = (1.0 - self.sense * self.s / s_max) * self.d_D
         none, one = np.zeros_like(self.eps_D), np.ones_like(self.eps_D)
         return {

@@ -5,12 +5,11 @@ not be said); `spin`, the rotation of the material in rad, counter-clockwise; an
 is positive. z is the second axis: vertical in the biaxial box, along the velocity gradient in simple shear. Numbers are held constant.
 """
 
-from difflib import get_close_matches
 from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, closest
 
 # sigma_xx and so on from (sigma_V, sigma_1, sigma_2), likewise for the strain
 ROWS = {
@@ -93,8 +92,7 @@ def planned(control, steps):
     where = "element_test: control"
     for key in control:
         if key not in _KEYS:
-            near = get_close_matches(str(key), _KEYS, 1, 0.0)[0]
-            raise InputError(f"{where}: unknown key {key!r}, did you mean {near!r}? It may have {', '.join(_KEYS)}")
+            raise InputError(f"{where}: unknown key {key!r}, did you mean {closest(key, _KEYS)!r}? It may have {', '.join(_KEYS)}")
     given = {key: _turns(where, key, values) for key, values in control.items()}
     rows = tuple(key for key in given if key not in ("spin", "time"))
     if len(rows) == 2 and not any(key.endswith("_xz") for key in rows):

@@ -2,20 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 
 import numpy as np
 
 from anisogran.glossary import attributes
-from anisogran.models.controls import ROWS, planned
-from anisogran.models.driver import LOST_CONTROL, MOST_ITERATIONS, NOT_REACHABLE, drive
+from anisogran.models.controls import ROWS
+from anisogran.models.driver import LOST_CONTROL, MOST_ITERATIONS, NOT_REACHABLE
 from anisogran.models.integrators import INTEGRATORS
 from anisogran.models.laws import LAWS, law_parameters
-from anisogran.models.point import MEANING, OK, Point
-from anisogran.models.update import NO_SHEAR, integrator_record, state_of
-from anisogran.outcome import InputError, Status, checked
+from anisogran.models.point import MEANING, OK
+from anisogran.models.prepared_path import PreparedPath
+from anisogran.models.update import state_of
+from anisogran.outcome import InputError, Status
+from anisogran.tensors import plane_parts, plane_tensor
 
-_TOLERANCE = 1e-11  # of the largest stress of path and start: rounding is some 1e-16 of it
 _SMALL_PRESSURE = 1e-6  # of E: below, the ratio s_D is made of rounding
 _REASONS = {
     **MEANING,
@@ -127,32 +127,15 @@ def element_test(law, parameters, control, start=None, steps=None, integrator="m
     not reachable, a sample that gives way, and what the law itself knows. Raises InputError for input that makes no sense.
     """
     record = law_parameters(law, **_mapping("parameters", parameters))
-    method = integrator_record(integrator)
-    plan = planned(_mapping("control", control), steps)
-    if law == "scalar" and plan.sheared:
-        raise InputError(f"element_test: {NO_SHEAR}")
-    state = start_point(law, start, plan)
-    LAWS[law].check_start(record, state)
-    n = len(plan.goals)
-    states, strains = np.empty((n + 1, 5)), np.empty((n + 1, 3))
-    states[0], strains[0] = state, plan.first_strain
-    done, code = drive(
-        method, record, states[0], plan.goals, plan.of_strain, plan.of_stress, np.diff(plan.spin), np.diff(plan.time),
-        stress_tolerance(plan, state), states[1:], strains[1:],
-    )  # fmt: skip
-    strains[1:] += strains[0]
-    kept = slice(done + 1)
-    test = _curves(law, dict(parameters), states[kept], strains[kept], plan.spin[kept], plan.time[kept])
+    path = PreparedPath(law, _mapping("control", control), start, steps, integrator)
+    driven, plan = path.driven(record), path.plan
+    reached = len(driven.states)
+    test = _curves(law, dict(parameters), driven, plan.spin[:reached], plan.time[:reached])
     status = _remarked(test, parameters)
-    if code == OK:
+    if driven.outcome == OK:
         return replace(test, status=status)
-    status = status.fail(f"stopped at {plan.place(done)}, {_told(test)}: {_REASONS[code]}")
-    return replace(test, status=status, reproduction=_reproduction(test, plan.path, done, method))
-
-
-def stress_tolerance(plan, state):
-    """To this a prescribed stress is met."""
-    return _TOLERANCE * max(float(np.max(np.abs(row))) for row in (state[:3], *(plan.path[k] for k in plan.rows if k[:5] == "sigma")))
+    status = status.fail(f"stopped at {plan.place(reached - 1)}, {_told(test)}: {_REASONS[driven.outcome]}")
+    return replace(test, status=status, reproduction=_reproduction(test, plan.path, reached - 1, path.method))
 
 
 def _mapping(key, value):
@@ -161,40 +144,10 @@ def _mapping(key, value):
     return value
 
 
-def start_point(law, start, plan):
-    """The `Point` at the start."""
-    names = [name for name in LAWS[law].INTERNAL if name]
-    stresses = {"sigma_xx", "sigma_zz", "sigma_xz"}
-    if not isinstance(start, Mapping):
-        start = {} if start is None else {"sigma_xx": start, "sigma_zz": start}
-    for key in start:
-        if key not in stresses.union(names):
-            near = get_close_matches(str(key), [*stresses, *names], 1, 0.0)[0]
-            raise InputError(
-                f"element_test: start has {key!r}, did you mean {near!r}? It has sigma_xx, sigma_zz, sigma_xz, {', '.join(names)}"
-            )
-    start = {key: checked("element_test: start", key, value) for key, value in start.items()}
-    inner = [start.get(name, 0.0) if name else 0.0 for name in LAWS[law].INTERNAL]
-    if not LAWS[law].STRESS_IS_STATE:
-        if stresses.intersection(start):
-            raise InputError(f"element_test: the {law} law starts from {', '.join(names)}, its stress follows")
-        return Point(0.0, 0.0, 0.0, *inner)
-    prescribed = {key: float(plan.path[key][0]) for key in plan.rows if key.startswith("sigma")}
-    pressure = prescribed.get("sigma_V", prescribed.get("sigma_xx", prescribed.get("sigma_zz", 0.0)))
-    xx, zz = (start.get(key, prescribed.get(key, pressure)) for key in ("sigma_xx", "sigma_zz"))
-    xz = start.get("sigma_xz", prescribed.get("sigma_xz", 0.0))
-    found = {"sigma_xx": xx, "sigma_zz": zz, "sigma_xz": xz, "sigma_V": 0.5 * (xx + zz), "sigma_D": 0.5 * (zz - xx)}
-    for key, value in prescribed.items():
-        if abs(found[key] - value) > 1e-9 * max(abs(xx), abs(zz)):  # rounding of sums
-            raise InputError(f"element_test: {key} is prescribed as {value:g} at the start, but the sample starts at {found[key]:g}")
-    return Point(found["sigma_V"], -found["sigma_D"], xz, *inner)
-
-
-def _curves(law, parameters, states, strains, spin, time):
-    """The ElementTest of flat states (n, 5) and strains (n, 3), its status still to be told."""
-    state = state_of(law, np.ascontiguousarray(states.T), (len(states),))
-    eps_V, eps_1, eps_2 = strains.T
-    strain = np.array([[eps_V + eps_1, eps_2], [eps_2, eps_V - eps_1]])
+def _curves(law, parameters, driven, spin, time):
+    """The ElementTest of what was `driven`, its status still to be told."""
+    state = state_of(law, np.ascontiguousarray(driven.states.T), (len(driven.states),))
+    strain = plane_tensor(driven.strains.T)
     mean_stress = 0.5 * (state.stress[..., 1:] + state.stress[..., :-1])
     work = np.concatenate([[0.0], np.cumsum(np.einsum("ijn,ijn->n", mean_stress, np.diff(strain)))])
     return ElementTest(law, parameters, strain, state.stress, state.internal, spin, time, work, Status(), "")
@@ -246,5 +199,4 @@ def _reproduction(test, path, done, method):
 
 def _component(key, stress):
     """sigma_xx, sigma_zz, sigma_xz, sigma_V or sigma_D of a stress (2, 2)."""
-    parts = np.array([0.5 * (stress[0, 0] + stress[1, 1]), 0.5 * (stress[0, 0] - stress[1, 1]), stress[0, 1]])
-    return ROWS[key.removeprefix("sigma_")] @ parts
+    return ROWS[key.removeprefix("sigma_")] @ plane_parts(stress)

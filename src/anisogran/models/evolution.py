@@ -12,6 +12,7 @@ import numpy as np
 from anisogran.compiled import kernel, subkernel
 from anisogran.models.first_order import cosine_and_sine, exponential, inverse, size
 from anisogran.outcome import InputError, checked
+from anisogran.tensors import plane_parts, plane_tensor
 
 
 def loading_sense(d_eps_D):
@@ -84,11 +85,10 @@ def relax_tensor(a, a_max, beta, d_eps, d_spin=0.0):
     out = np.empty_like(flat_a)
     _relax_all(flat_a, a_max, beta, flat_eps, np.broadcast_to(d_spin, batch).reshape(-1).copy(), out)
     first, second = out.reshape(2, *batch)
-    return np.array([[first, second], [second, -first]])
+    return plane_tensor([np.zeros(batch), first, second])
 
 
 def _vector(t, batch):
     """(2, n): the vector of the deviator of t, batch flattened."""
-    parts = np.array([0.5 * (t[0, 0] - t[1, 1]), 0.5 * (t[0, 1] + t[1, 0])])
-    parts = parts.reshape(2, *(1,) * (len(batch) - (t.ndim - 2)), *t.shape[2:])
+    parts = plane_parts(t)[1:].reshape(2, *(1,) * (len(batch) - (t.ndim - 2)), *t.shape[2:])
     return np.ascontiguousarray(np.broadcast_to(parts, (2, *batch)).reshape(2, -1))

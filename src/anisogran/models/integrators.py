@@ -149,6 +149,16 @@ def advance_all(method, p, states, increments, outcomes):
 
 
 @subkernel
+def stepped(increment, j):
+    """The increment, complex, a step off in component j of its strain."""
+    step = STEP * 1j
+    return Increment(
+        increment.eps_V + (step if j == 0 else 0j), increment.eps_1 + (step if j == 1 else 0j), increment.eps_2 + (step if j == 2 else 0j),
+        increment.spin + 0j, increment.time + 0j,
+    )  # fmt: skip
+
+
+@subkernel
 def tangent_at(method, p, point, increment, out):
     """(state, outcome), and d(sigma_V, sigma_1, sigma_2)/d(eps_V, eps_1, eps_2) in out (3, 3): exact, by a complex step.
 
@@ -157,14 +167,7 @@ def tangent_at(method, p, point, increment, out):
     start = Point(point.sigma_V + 0j, point.sigma_1 + 0j, point.sigma_2 + 0j, point.x + 0j, point.y + 0j)
     new, code = start, OK
     for j in range(3):
-        eps_V, eps_1, eps_2 = increment.eps_V + 0j, increment.eps_1 + 0j, increment.eps_2 + 0j
-        if j == 0:
-            eps_V += STEP * 1j
-        elif j == 1:
-            eps_1 += STEP * 1j
-        else:
-            eps_2 += STEP * 1j
-        new, code = advanced(method, p, start, Increment(eps_V, eps_1, eps_2, increment.spin + 0j, increment.time + 0j))
+        new, code = advanced(method, p, start, stepped(increment, j))
         out[0, j], out[1, j], out[2, j] = new.sigma_V.imag / STEP, new.sigma_1.imag / STEP, new.sigma_2.imag / STEP
     return Point(new.sigma_V.real, new.sigma_1.real, new.sigma_2.real, new.x.real, new.y.real), code
 

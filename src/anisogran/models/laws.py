@@ -1,11 +1,10 @@
 """The list of laws at a point. A new one is a file with the members of its neighbours, and one line in LAWS."""
 
-from difflib import get_close_matches
 from inspect import signature
 
 from anisogran.compiled import specialised
 from anisogran.models import inertial_law, plasticity, scalar, tensorial
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, closest
 
 LAWS = {"scalar": scalar, "tensorial": tensorial, "mohr_coulomb": plasticity, "mu_of_I": inertial_law}
 
@@ -36,8 +35,7 @@ def law_parameters(law, **values):
     known = signature(build).parameters
     for key in values:
         if key not in known:
-            near = get_close_matches(key, known, 1, 0.0)[0]
-            raise InputError(f"{law} law: unknown parameter {key!r}, did you mean {near!r}? It has {', '.join(known)}")
+            raise InputError(f"{law} law: unknown parameter {key!r}, did you mean {closest(key, known)!r}? It has {', '.join(known)}")
     missing = [key for key, parameter in known.items() if parameter.default is parameter.empty and key not in values]
     if missing:
         raise InputError(f"{law} law: {', '.join(missing)} missing")

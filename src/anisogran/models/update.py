@@ -9,6 +9,7 @@ from anisogran.models.integrators import INTEGRATORS, advance_all, advance_all_w
 from anisogran.models.laws import LAWS, name_of
 from anisogran.models.point import MEANING
 from anisogran.outcome import InputError, checked
+from anisogran.tensors import plane_parts, plane_tensor
 
 NO_SHEAR = "the scalar law holds in the axes of the box and knows no shear strain xz and no rotation; take the tensorial law"
 
@@ -104,14 +105,12 @@ def flat_states(law, state, batch):
     names = [name for name in LAWS[law].INTERNAL if name]
     if set(state.internal) != set(names):
         raise InputError(f"{law} law: internal variables must be {', '.join(names)}, are {', '.join(state.internal) or 'none'}")
-    (xx, xz), (zx, zz) = np.asarray(state.stress, dtype=float)
     inner = [state.internal[name] if name else 0.0 for name in LAWS[law].INTERNAL]
-    return _stacked([0.5 * (xx + zz), 0.5 * (xx - zz), 0.5 * (xz + zx), *inner], batch)
+    return _stacked([*plane_parts(np.asarray(state.stress, dtype=float)), *inner], batch)
 
 
 def _flat_increments(d_eps, d_spin, d_time, batch):
-    (xx, xz), (zx, zz) = d_eps
-    return _stacked([0.5 * (xx + zz), 0.5 * (xx - zz), 0.5 * (xz + zx), d_spin, d_time], batch)
+    return _stacked([*plane_parts(d_eps), d_spin, d_time], batch)
 
 
 def _stacked(rows, batch):
@@ -124,10 +123,9 @@ def _stacked(rows, batch):
 
 def state_of(law, states, batch):
     """The `PointState` of (5, n)."""
-    sigma_V, sigma_1, sigma_2, *inner = states.reshape(5, *batch)
-    names = LAWS[law].INTERNAL
-    stress = np.array([[sigma_V + sigma_1, sigma_2], [sigma_2, sigma_V - sigma_1]])
-    return PointState(stress, {name: values for name, values in zip(names, inner, strict=True) if name})
+    states = states.reshape(5, *batch)
+    internal = {name: values for name, values in zip(LAWS[law].INTERNAL, states[3:], strict=True) if name}
+    return PointState(plane_tensor(states[:3]), internal)
 
 
 # stress_ij = sum_a _SPREAD[i, j, a] (sigma_V, sigma_1, sigma_2)_a, and (eps_V, eps_1, eps_2)_a = sum_kl _SPREAD[k, l, a] eps_kl / 2
