@@ -14,8 +14,7 @@ from anisogran import Biaxial, RingShear, SimpleShear, average
 from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
-from anisogran.experiments.experiment import Watch
-from anisogran.experiments.preparation import elastic_energy, relax
+from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
@@ -223,38 +222,43 @@ def test_progress_is_reported():
 
 
 def test_no_state_passes_the_gate_but_equilibrium():
-    """relax() comes back only if kinetic energy, stress and the contacts themselves are as wanted; else it raises."""
-    force = np.array([[3.0, 4.0]])
+    """A gate opens only if kinetic energy, stress and the contacts themselves are as wanted; else the stage is refused by name."""
+    force = np.array([[3.0, 4.0]])  # f^2/(2 k) = 2.5 J
 
-    def gate(kinetic, error, force=force):
-        grains = SimpleNamespace(
-            snapshot=lambda: SimpleNamespace(force=force), kinetic_energy=lambda: kinetic, grains=[0], run=lambda steps: None
-        )
-        relax(grains, Watch(), 5.0, lambda: error, chunk=10, attempts=3)
+    def is_over(kinetic, error, force=force, done=3):
+        grains = SimpleNamespace(snapshot=lambda: SimpleNamespace(force=force), kinetic_energy=lambda: kinetic)
+        stage = Stage("relax", 10 * np.arange(1, 4), gate=equilibrium(5.0, lambda simulation: error))
+        return stage.is_over(grains, done)
 
-    assert elastic_energy(SimpleNamespace(force=force), 5.0) == 2.5  # f^2/(2 k)
-    gate(kinetic=2.4e-5, error=0.009)
+    assert is_over(kinetic=2.4e-5, error=0.009)
+    assert is_over(kinetic=2.4e-5, error=0.009, done=1)
     for kinetic, error, bad in ((2.6e-5, 0.0, force), (0.0, 0.011, force), (0.0, 0.0, np.zeros((0, 2)))):
-        with pytest.raises(RunFailed, match="no equilibrium after 30 steps of relaxation"):
-            gate(kinetic, error, bad)
+        assert not is_over(kinetic, error, bad, done=2)
+        with pytest.raises(RunFailed, match="stage relax: no equilibrium after 30 steps: E_kin/E_pot = "):
+            is_over(kinetic, error, bad)
 
 
-def grown_late(late, mass=1e-6, overlap=0.0):
-    """What a judge asks of a simulation: lists built late, the mass of the grains, and overlaps of grains of radius 1."""
+def test_a_stage_without_a_gate_ends_with_its_marks():
+    stage = Stage("load", np.array([0, 5, 12]))
+    assert [stage.is_over(None, done) for done in (1, 2, 3)] == [False, False, True]
+    assert stage.steps == 12
+    assert Stage("relax", 10 * np.arange(1, 201), gate=None, expected=60).steps == 600
+
+
+def grown_late(late, overlap=0.0):
+    """What a judge asks of a simulation: lists built late, and overlaps of grains of radius 1."""
     snapshot = SimpleNamespace(overlap=np.full(3, overlap), radius=np.ones(4))
-    grains = SimpleNamespace(mass=np.array([mass]))
-    return SimpleNamespace(counters={"late_builds": late}, grains=grains, snapshot=lambda: snapshot)
+    return SimpleNamespace(counters={"late_builds": late}, snapshot=lambda: snapshot)
 
 
 def test_biaxial_warnings():
-    scene = Biaxial(pressure=100.0, strain=0.1, duration=1.0)
-
-    def judge(side, **simulation):
+    def judge(side, scene=Biaxial(strain=0.1, duration=1.0), **simulation):  # noqa: B008
         return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), grown_late(**{"late": 0, **simulation})))
 
     assert judge(101.9) == "ok"
     assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
-    assert judge(100.0, mass=1.0) == "warned: inertial number up to 0.031: not quasi-static"  # 2 * 0.1 pi/2 * sqrt(1/100)
+    fast = Biaxial(strain=0.1, duration=0.01, size_ratio=1.0, density=3e6 / np.pi)  # grains of 4 g: 2 * 0.1 pi/2/0.01 * sqrt(0.004/100)
+    assert judge(100.0, fast) == "warned: inertial number up to 0.2: not quasi-static"
     assert judge(100.0, late=2) == "warned: 2 neighbour lists were built late"
     assert judge(100.0, overlap=0.04) == "ok"
     assert judge(100.0, overlap=0.06) == "warned: the mean overlap is 6.0% of the mean radius: too soft for this load"
@@ -295,15 +299,6 @@ def test_simple_shear_starts_in_flow_and_warns(monkeypatch):
     np.testing.assert_allclose(velocity, np.outer(position[:, 1], [rate, 0.0]), atol=1e-12)
     assert re.match(r"the mean vertical stress is 1\.[12]", run.status.reasons[0])  # 60 grains over half a strain: not yet settled
     assert run.status.reasons[1:] == ("not steady: the stress ratio drifts by 5.0 standard errors", "2 neighbour lists were built late")
-
-
-def test_work_is_counted_after_the_compilation():
-    """The first call of each simulation may compile."""
-    watch = Watch()
-    for simulation in [SimpleNamespace(run=lambda steps: None, grains=range(7)) for _ in range(2)]:
-        for _ in range(3):
-            watch.run(simulation, 5)
-    assert watch.grain_steps == 2 * 2 * 5 * 7
 
 
 def test_a_saved_run_holds_all_of_it(ring, tmp_path):

@@ -23,7 +23,7 @@ from anisogran.dem.records import differences, packed, unpacked
 from anisogran.dem.sealed import check_target, previous_of, read_sealed, write_sealed
 from anisogran.outcome import InputError, Interrupted, RunFailed, checked
 
-FORMAT = 1
+FORMAT = 2
 VERSIONS = {"anisogran": __version__, "numba": numba.__version__, "numpy": np.__version__}
 SCRATCH = "out."  # holds nothing from one step to the next
 A_PAIR = ("pairs.first", "pairs.second", "pairs.reach", "memory.")  # arrays with an entry a pair, of which those in use are written
@@ -64,7 +64,7 @@ def _is_part(array, whole):
     return low <= begin and end <= high
 
 
-def save(simulation, path):
+def save(simulation, path, attached=None):
     """Writes the simulation; see Simulation.save."""
     arrays, numbers = inventory(simulation._state)
     pairs = simulation._state.pairs
@@ -82,7 +82,29 @@ def save(simulation, path):
         "extras": {name: packed(getattr(simulation, name)) for name in EXTRAS},
     }
     members = {f"state.{name}": array for name, array in arrays.items()} | {f"grains.{name}": array for name, array in columns.items()}
+    description["attached"] = taken_apart(attached, members)
     write_sealed(path, json.dumps(description), members)
+
+
+def taken_apart(value, members):
+    """The value (arrays, numbers, text, lists, and dicts of such) in terms of JSON; its arrays go to `members` by a name of their own."""
+    if isinstance(value, np.ndarray):
+        name = f"attached.{len(members)}"
+        members[name] = value
+        return {"array": name}
+    if isinstance(value, dict):
+        return {"dict": {key: taken_apart(part, members) for key, part in value.items()}}
+    return [taken_apart(part, members) for part in value] if isinstance(value, list) else value
+
+
+def put_together(value, members):
+    """The inverse of `taken_apart`."""
+    if isinstance(value, dict):
+        ((kind, content),) = value.items()
+        if kind == "array":
+            return members[content]
+        return {key: put_together(part, members) for key, part in content.items()}
+    return [put_together(part, members) for part in value] if isinstance(value, list) else value
 
 
 @dataclass
@@ -145,6 +167,7 @@ class Stored:
         self._check_indices(state)
         for name in EXTRAS:
             setattr(simulation, name, self.description["extras"][name])
+        simulation.attached = put_together(self.description["attached"], self.arrays)
 
     def _check_indices(self, state):
         """The kernels look up what these name without asking, so a forged file must not name what is not there."""

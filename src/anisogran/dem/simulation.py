@@ -53,6 +53,7 @@ class Simulation:
         }  # fmt: skip
         self.unbalanced_force = None
         self.failure = None  # the sentence with which a run has stopped
+        self.attached = None  # what came with the checkpoint
 
         self._state = new_state(grains, self.effects, boundary, skin, ledger, None if restored is None else restored.capacity)
         self._chunk = 1  # steps in one compiled call; adapted to the speed
@@ -94,10 +95,11 @@ class Simulation:
             self.failure = f"stopped at step {self.step} (t = {self.time:.6g} s) at grain {i}, {place}: {CAUSES[code]}"
             raise RunFailed(self.failure)
 
-    def run(self, steps, checkpoint=None, every=10.0, on_checkpoint_error="raise"):
+    def run(self, steps, checkpoint=None, every=10.0, on_checkpoint_error="raise", listen=None):
         """Advances by a whole number of steps. Raises RunFailed naming step, grain and likely cause, InputError for a part of a step.
 
-        The compiled loop comes back several times a second, so that an interrupt is heard; it always finds whole steps. With
+        The compiled loop comes back several times a second, so that an interrupt is heard; it always finds whole steps. `listen()`, if
+        given, is called each time; if it raises, the run ends there and can go on later. With
         `checkpoint`, a path, the simulation is saved there every `every` seconds of wall-clock time and at the end; an interrupt then
         raises Interrupted, after saving. If a checkpoint cannot be written, that is raised, or, with on_checkpoint_error="continue",
         warned about. No bit of the result depends on checkpoints. A run that has failed leaves its state in <checkpoint>.failed and
@@ -113,6 +115,12 @@ class Simulation:
                 with interrupts_deferred():
                     self._advance(min(self._chunk, end - self.step))
                 keep_if_due()
+                if listen is not None:
+                    listen()
+
+    def compile(self):
+        """Compiles the time loop for the effects of this simulation, or finds it in the cache; no step is done."""
+        self._advance(0)
 
     def _advance(self, steps):
         """One call of the compiled loop; what it says is heeded."""
@@ -127,16 +135,17 @@ class Simulation:
             return
         self._raise_unless_done(code)
         seconds = time.perf_counter() - clock
-        # half of the half second in which an interrupt is heard: the next steps may be slower
-        self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.25 / seconds)))
+        # a third of the half second in which an interrupt is heard and the state saved: the next steps may be slower
+        self._chunk = max(1, min(2 * self._chunk, int((self.step - begin) * 0.15 / seconds)))
 
-    def save(self, path):
+    def save(self, path, attached=None):
         """Writes a checkpoint, a .npz file from which `load` goes on bit for bit; an older one is kept as <path>.previous.
 
+        `attached`: what else belongs to the run, as arrays, numbers, text, lists, and dicts of such; `load` gives it back as `attached`.
         Whenever the process is stopped, the new or the old file is whole. Raises InputError if no file can be made there, RunFailed if
         the machine does not take it; then the old file is untouched.
         """
-        save(self, path)
+        save(self, path, attached)
 
     @classmethod
     def load(cls, path, **expected):
@@ -163,10 +172,14 @@ class Simulation:
         grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin)
         arguments = {**self.arguments(), "boundary": boundary, "allow_coarse_dt": "dt" not in changes, **changes}
         stage = Simulation(grains, predecessor=self, **arguments)
+        stage.unbalanced_force = self.force_imbalance()
+        return stage
+
+    def force_imbalance(self):
+        """Mean net force on a movable grain by the mean contact force; None without forces."""
         contact = np.hypot(*contact_table(self._state)[1].T)
         net = np.hypot(*self.net_force[: self._state.movable].T)
-        stage.unbalanced_force = float(net.mean() / contact.mean()) if contact.size and contact.any() and net.size else None
-        return stage
+        return float(net.mean() / contact.mean()) if contact.size and contact.any() and net.size else None
 
     def _by_grain(self, values):
         """Values (N, ...) of the state, in the order of the user's grains."""

@@ -6,6 +6,7 @@ begins; no background damping acts while loading.
 """
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -13,8 +14,9 @@ from pydantic import Field
 from anisogran.averaging import average
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, labelled_series, provenance, squeezed
-from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step, relax
+from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.stages import Stage, equilibrium
 
 
 class Biaxial(Experiment):
@@ -24,6 +26,8 @@ class Biaxial(Experiment):
     ln(z0/z), reached after `duration` s.
     """
 
+    kind: ClassVar[str] = "biaxial"
+    output_keys: ClassVar[frozenset] = frozenset({"samples"})
     pressure: float = Field(100.0, gt=0, description="side pressure, N/m")
     contact: Linear | Luding = Luding(k1=5e4, k2=1e5, kc=0.0, damping=0.1)
     friction: Friction | None = None
@@ -36,69 +40,77 @@ class Biaxial(Experiment):
     samples: int = Field(200, ge=10)
     seed: int = Field(0, ge=0)
 
-    def run(self, progress=None):
-        """The Run: series over time, snapshots "start", "peak" and "end". Raises RunFailed if preparation finds no equilibrium."""
-        watch = Watch(progress)
-        prepared = self.prepare(watch)
-        return self.load(prepared, watch)
+    def stages(self):
+        """Prepare and relax under the pressure, without friction and damped; load."""
+        radius, side, _ = self.loose_box()
+        mass = sphere_mass(radius, self.density)
+        dt = quasi_static_step(self.contact, self.friction, mass)
+        closing = int(0.25 * side / self.wall_speed(side, mass) / dt)
+        relaxing = max(1000, closing // 20) * np.arange(1, ATTEMPTS + 1)
+        loading = np.linspace(0, math.ceil(self.duration / dt), self.samples + 1).astype(int)
+        gate = equilibrium(self.contact.stiffest, self.stress_error)
+        return (
+            Stage("prepare", closing // 10 * np.arange(1, 11), begin=self.loose),
+            Stage("relax", relaxing, gate=gate, expected=60),
+            Stage("load", loading, begin=self.loaded, look=self.look),
+        )
 
-    def prepare(self, watch):
-        """A Simulation in isotropic equilibrium under the pressure, frictionless."""
+    def loose_box(self):
+        """Radii (N,), the side of the square box in which they are loose, and the random numbers that come next."""
         rng = np.random.default_rng(self.seed)
         radius = uniform_radii(self.grains, self.mean_radius, self.size_ratio, rng)
-        side = math.sqrt(np.sum(np.pi * radius**2) / LOOSE)
+        return radius, math.sqrt(np.sum(np.pi * radius**2) / LOOSE), rng
+
+    def wall_speed(self, side, mass):
+        """Of walls that come in at I about 2e-3, in m/s."""
+        return 2e-3 * side / math.sqrt(mass.mean() / self.pressure)
+
+    def loose(self, _):
+        """The Simulation of a loose sample in a box whose side and top are pressed inwards."""
+        radius, side, rng = self.loose_box()
 
         def inside(points, r):
             return np.all((points > r) & (points < side - r), axis=1)
 
         position = random_positions(radius, lambda rng, count: rng.uniform(0, side, (count, 2)), inside, rng)
         grains = Grains(position, radius, density=self.density)
-        mass = float(grains.mass.sum())
-        # walls come in at I about 2e-3; the dashpot alone sets their speed, since force and mass are far from balance until then
-        speed = 2e-3 * side / math.sqrt(grains.mass.mean() / self.pressure)
-        wall = Pressure(self.pressure, mass=0.05 * mass, damping=self.pressure * side / speed)
+        # the dashpot alone sets the speed of the walls, since force and mass are far from balance until they meet resistance
+        dashpot = self.pressure * side / self.wall_speed(side, grains.mass)
+        wall = Pressure(self.pressure, mass=0.05 * float(grains.mass.sum()), damping=dashpot)
         drag, dt = background_drag(self.contact, grains.mass), quasi_static_step(self.contact, self.friction, grains.mass)
-        simulation = Simulation(grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=dt)
+        return Simulation(grains, self.contact, boundary=Box(side, side, right=wall, top=wall), drag=drag, dt=dt)
 
-        def stress_error():
-            _, right, _, top = simulation.walls.position
-            stress = simulation.walls.force[1] / top, simulation.walls.force[3] / right
-            return max(abs(s / self.pressure - 1) for s in stress)
+    def stress_error(self, simulation):
+        """How far the stress on the movable walls is from the pressure, relative."""
+        _, right, _, top = simulation.walls.position
+        stress = simulation.walls.force[1] / top, simulation.walls.force[3] / right
+        return max(abs(s / self.pressure - 1) for s in stress)
 
-        closing = int(0.25 * side / speed / simulation.dt)
-        for _ in range(10):
-            watch.run(simulation, closing // 10)
-        relax(simulation, watch, self.contact.stiffest, stress_error, chunk=max(1000, closing // 20))
-        watch.progress(0.1)
-        return simulation
-
-    def load(self, prepared, watch):
-        """Compresses the prepared sample and records it."""
+    def loaded(self, prepared):
+        """The Simulation of the prepared sample with friction, its top about to come down."""
         _, width, _, height = prepared.walls.position
         lowest = height * math.exp(-self.strain)
         # the side wall lags its pressure by damping * speed: half a per cent at the fastest moment
         fastest = width * self.strain * 0.5 * math.pi / self.duration
         side = Pressure(self.pressure, mass=0.01 * float(prepared.grains.mass.sum()), damping=0.005 * self.pressure * height / fastest)
         box = Box(width, height, right=side, top=Cosine(height, lowest, self.duration))
-        simulation = prepared.next_stage(boundary=box, friction=self.friction, drag=None)
-        steps = np.linspace(0, math.ceil(self.duration / simulation.dt), self.samples + 1).astype(int)
-        rows, snapshots, peak = [], {}, -1.0
-        for k, step in enumerate(steps):
-            watch.run(simulation, step - simulation.step)
-            snapshot = simulation.snapshot()
-            row = self.measure(simulation, snapshot, width, height)
-            rows.append(row)
-            if k == 0:
-                snapshots["start"] = snapshot
-            if row["s_D"] > peak:
-                peak, snapshots["peak"] = row["s_D"], snapshot
-            watch.progress(0.1 + 0.9 * k / self.samples)
-        snapshots["end"] = snapshot
-        series = labelled_series(rows, "biaxial")
-        return Run(self, series, None, None, snapshots, self.judge(series, simulation), provenance(self, watch, simulation))
+        return prepared.next_stage(boundary=box, friction=self.friction, drag=None)
 
-    def measure(self, simulation, snapshot, width, height):
+    def look(self, simulation, records, k):
+        """Records a row, and the snapshots "start", "peak" (of s_D) and "end"."""
+        snapshot = simulation.snapshot()
+        highest = max((row["s_D"] for row in records.rows), default=-1.0)
+        row = self.measure(simulation, snapshot)
+        records.rows.append(row)
+        if k == 0:
+            records.snapshots["start"] = snapshot
+        if row["s_D"] > highest:
+            records.snapshots["peak"] = snapshot
+        records.snapshots["end"] = snapshot
+
+    def measure(self, simulation, snapshot):
         """One row of the series."""
+        width, height = simulation.boundary.width, simulation.boundary.height  # at the start of this stage
         least_contacts = 3 if self.friction is None else 2
         box = average(snapshot, least_contacts=least_contacts)
         _, x, _, z = simulation.walls.position
@@ -124,14 +136,23 @@ class Biaxial(Experiment):
             "kinetic_energy": simulation.kinetic_energy(),
         }
 
+    def results(self, records, simulation):
+        """Series, no fields, and the status."""
+        series = labelled_series(records.rows, self.kind)
+        return series, None, None, self.judge(series, simulation)
+
+    def nominal_inertial_number(self):
+        """At the fastest moment."""
+        mass = float(sphere_mass(self.loose_box()[0], self.density).mean())
+        return 2 * self.strain * 0.5 * math.pi / self.duration * math.sqrt(mass / self.pressure)
+
     def judge(self, series, simulation):
         """Warnings a reader must see: pressure not held, flow not quasi-static, stale neighbour lists."""
         status = squeezed(simulation)
         held = float(abs(series.sigma_xx_wall / self.pressure - 1).median())
         if held > 0.02:
             status = status.warn(f"the side wall holds its pressure only to {held:.1%} (median)")
-        rate = self.strain * 0.5 * math.pi / self.duration
-        inertial = 2 * rate * math.sqrt(simulation.grains.mass.mean() / self.pressure)
+        inertial = self.nominal_inertial_number()
         if inertial > 1e-2:
             status = status.warn(f"inertial number up to {inertial:.2g}: not quasi-static")
         if simulation.counters["late_builds"]:

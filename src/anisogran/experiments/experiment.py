@@ -1,27 +1,20 @@
-"""What all experiments share: a checked record of what the user asked for, and the result of running it."""
+"""What all experiments share: a checked record of what the user asked for, and how it is run."""
 
-import platform
-import sys
-import time
-from dataclasses import dataclass, field
-from importlib.metadata import version
+from typing import ClassVar
 
 import xarray as xr
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-import anisogran
-from anisogran.files import save_results, snapshot_dataset
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status
-from anisogran.snapshot import frames
-
-PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
 
 
 class Experiment(BaseModel):
     """A frozen record: every field checked, unknown ones refused. Raises InputError with one line for the first thing that is wrong."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    kind: ClassVar[str]
+    output_keys: ClassVar[frozenset]  # keys that say only what is written down: they may differ when a run is taken up again
 
     def __init__(self, **values):
         try:
@@ -35,56 +28,21 @@ class Experiment(BaseModel):
     def check(self):
         """Raises InputError where fields that are fine by themselves do not fit each other. Nothing to check here."""
 
+    def run(self, progress=None, folder=None, resume=False):
+        """The Run. `progress(fraction)` is called several times a second.
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What an experiment left: the scene, time series, snapshots by name, status and provenance.
+        With `folder`, a path, the run keeps itself there (see run_folder.py): results.h5, whole at any time, and a checkpoint, from which
+        resume=True goes on bit for bit; Ctrl-C and SIGTERM then raise Interrupted after saving. Raises RunFailed naming the stage if a
+        preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
+        """
+        from anisogran.experiments.run_folder import run_in_folder
+        from anisogran.experiments.session import Session
 
-    Experiments with a field also have `profiles` (mean and error over the blocks) and `blocks` (dimension "block").
-    """
-
-    scene: Experiment
-    series: xr.Dataset
-    profiles: xr.Dataset | None = None
-    blocks: xr.Dataset | None = None
-    snapshots: dict = field(default_factory=dict)
-    status: Status = Status()
-    provenance: dict = field(default_factory=dict)
-
-    @property
-    def frames(self):
-        """The snapshots of the steady state in order of time, for averages afterwards; without any, the last snapshot."""
-        return frames(self.snapshots)
-
-    def datasets(self):
-        """All of it as datasets by group name; "" holds provenance and status as attributes."""
-        groups = {"": xr.Dataset(attrs={**self.provenance, "status": str(self.status)}), "series": self.series}
-        groups |= {name: data for name, data in (("profiles", self.profiles), ("blocks", self.blocks)) if data is not None}
-        return groups | {f"snapshots/{name}": snapshot_dataset(snapshot) for name, snapshot in self.snapshots.items()}
-
-    def save(self, path):
-        """Writes one HDF5 file that `anisogran.open` and `xarray.open_datatree(path, engine="h5netcdf")` read."""
-        groups = self.datasets()
-        save_results(path, groups, groups.pop("").attrs)
-
-
-class Watch:
-    """Counts the work of a run (grain-steps, seconds in the time loop) and tells a listener how far it is."""
-
-    def __init__(self, progress=None):
-        self.progress = progress or (lambda fraction: None)
-        self.seconds = 0.0
-        self.grain_steps = 0
-        self._warm = None  # the simulation whose kernels are compiled
-
-    def run(self, simulation, steps):
-        """Advances the simulation and counts; the first call of a simulation may compile, and is not counted as speed."""
-        clock = time.perf_counter()
-        simulation.run(steps)
-        if simulation is self._warm:
-            self.seconds += time.perf_counter() - clock
-            self.grain_steps += steps * len(simulation.grains)
-        self._warm = simulation
+        if folder is not None:
+            return run_in_folder(self, folder, resume, progress and (lambda session: progress(session.fraction)))
+        session = Session(self)
+        session.go(progress and (lambda: progress(session.fraction)))
+        return session.result()
 
 
 def spread_evenly(frames, discarded, samples):
@@ -109,22 +67,3 @@ def squeezed(simulation, most=0.05):
     snapshot = simulation.snapshot()
     share = float(snapshot.overlap.mean() / snapshot.radius.mean()) if len(snapshot.overlap) else 0.0
     return Status().warn(f"the mean overlap is {share:.1%} of the mean radius: too soft for this load") if share > most else Status()
-
-
-def provenance(scene, watch, simulation):
-    """Where a result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""
-    active, absent = simulation.active_effects()
-    return {
-        "scene": scene.model_dump_json(),
-        "anisogran": anisogran.__version__,
-        "python": platform.python_version(),
-        "platform": sys.platform,
-        **{name: version(name) for name in PACKAGES},
-        "dt": simulation.dt,
-        "active_effects": "; ".join(active),
-        "absent_effects": ", ".join(absent),
-        **simulation.counters,
-        "grain_steps": watch.grain_steps,
-        "seconds": watch.seconds,
-        "particle_steps_per_s": watch.grain_steps / watch.seconds if watch.seconds else 0.0,
-    }

@@ -8,15 +8,17 @@ is switched on, damping off, and the inner ring turns.
 
 import math
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from anisogran.averaging import Rings, TimeBlocks, densities, drift, extensive_needs, field_profiles
+from anisogran.averaging import Rings, densities, drift, extensive_needs, field_profiles
 from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, frame_name, labelled_series, provenance, spread_evenly, squeezed
-from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step, relax
+from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
 
@@ -42,6 +44,8 @@ class RingShear(Experiment):
     all; `discard` of them are not averaged, and the rest is cut into blocks of `block` diameters for the error bars.
     """
 
+    kind: ClassVar[str] = "ring_shear"
+    output_keys: ClassVar[frozenset] = frozenset({"frames"})
     pressure: float = Field(1.0, gt=0, description="outer pressure, N/m")
     contact: Linear | Luding = Linear(stiffness=1000.0, damping=4.0)
     friction: Friction | None = Friction(stiffness=500.0, mu=0.44)
@@ -73,16 +77,27 @@ class RingShear(Experiment):
         if gap < 4.5 * d:
             raise InputError(f"RingShear: grains = {self.grains} fill a gap of {gap / d:.1f} mean diameters; 4.5 are needed for profiles")
 
-    def run(self, progress=None):
-        """The Run: series over time, profiles over r with errors, snapshots "start" and "end". Raises RunFailed without equilibrium."""
-        watch = Watch(progress)
-        return self.shear(self.prepare(watch), watch)
+    def stages(self):
+        """Relax: press together without friction, damped, until the outer ring is in equilibrium; shear: turn the inner ring."""
+        radius, _ = self.radii()
+        dt = quasi_static_step(self.contact, self.friction, sphere_mass(radius, self.density))
+        between = max(1, round(self.mean_diameter / self.wall_speed / self.samples_per_diameter / dt))
+        samples = round(self.travel * self.samples_per_diameter)
+        gate = equilibrium(self.contact.stiffest, self.stress_error)
+        return (
+            Stage("relax", 5000 * np.arange(1, ATTEMPTS + 1), begin=self.loose, gate=gate, expected=15),
+            Stage("shear", between * np.arange(1, samples + 1), begin=self.turned, look=self.look),
+        )
 
-    def prepare(self, watch):
-        """A Simulation in equilibrium under the outer pressure, frictionless, with the inner ring at rest."""
+    def radii(self):
+        """Radii (N,) of the free grains, and the random numbers that come next."""
         rng = np.random.default_rng(self.seed)
+        return uniform_radii(self.grains, 0.5 * self.mean_diameter, self.size_ratio, rng), rng
+
+    def loose(self, _):
+        """The Simulation of a loose sample between the rings, the outer one pressed inwards."""
         d = self.mean_diameter
-        radius = uniform_radii(self.grains, 0.5 * d, self.size_ratio, rng)
+        radius, rng = self.radii()
         outer = math.sqrt(self.inner_radius**2 + np.sum(radius**2) / LOOSE)
         inner_ring = wreath(self.inner_radius - 0.5 * d, d)
         # as many discs as fit the compressed cell: they come closer together as the ring is pressed inwards
@@ -115,45 +130,53 @@ class RingShear(Experiment):
         boundary = Ring(outer + 0.5 * d, rim=Pressure(self.pressure, mass=piston, damping=damping), inner=len(inner_ring))
         free = grains.mass[: self.grains]
         drag, dt = background_drag(self.contact, free), quasi_static_step(self.contact, self.friction, free)
-        simulation = Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=dt)
+        return Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=dt)
 
-        def stress_error():
-            return abs(self.measure(simulation)["outer_pressure"] / self.pressure - 1)
+    def stress_error(self, simulation):
+        """How far the stress on the outer ring is from the pressure, relative."""
+        return abs(self.measure(simulation)["outer_pressure"] / self.pressure - 1)
 
-        relax(simulation, watch, self.contact.stiffest, stress_error, chunk=5000)
-        watch.progress(0.05)
-        return simulation
-
-    def shear(self, prepared, watch):
-        """Turns the inner ring and averages."""
-        d = self.mean_diameter
+    def turned(self, prepared):
+        """The Simulation of the prepared sample with friction, its inner ring about to turn."""
         outer = self.outer_radius(prepared)
-        boundary = replace(prepared.boundary, radius=outer + 0.5 * d, omega=self.wall_speed / self.inner_radius)
-        simulation = prepared.next_stage(boundary=boundary, friction=self.friction, drag=None)
-        edges = self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1)
-        between = max(1, round(d / self.wall_speed / self.samples_per_diameter / simulation.dt))
-        samples = round(self.travel * self.samples_per_diameter)
-        a_block = round(self.block * self.samples_per_diameter)
-        discarded = round(self.discard * self.samples_per_diameter)
-        place, needs = Rings(edges, np.empty(0)), extensive_needs(PROFILES)
-        rows, blocks = [], TimeBlocks(a_block)
-        snapshots = {"start": simulation.snapshot()}
-        kept = spread_evenly(self.frames, discarded, samples)
-        for k in range(1, samples + 1):
-            watch.run(simulation, between)
-            snapshot = simulation.snapshot()
-            rows.append(self.measure(simulation))
-            if k > discarded:
-                blocks.add(densities(snapshot, place, needs))
-            if k in kept:
-                snapshots[frame_name(k)] = snapshot
-            watch.progress(0.05 + 0.95 * k / samples)
-        snapshots["end"] = snapshot
-        profiles, blocks = field_profiles(blocks, place, PROFILES)
-        profiles = profiles.assign_coords(depth=("r", (profiles.r.values - self.inner_radius) / d, attributes("depth")))
-        series = labelled_series(rows, "ring_shear")
-        status = self.judge(blocks, series, simulation)
-        return Run(self, series, profiles, blocks, snapshots, status, provenance(self, watch, simulation))
+        boundary = replace(prepared.boundary, radius=outer + 0.5 * self.mean_diameter, omega=self.wall_speed / self.inner_radius)
+        return prepared.next_stage(boundary=boundary, friction=self.friction, drag=None)
+
+    def place(self, simulation):
+        """The Rings that are averaged over: one mean diameter wide, up to where the outer ring was at the start of the shear."""
+        d = self.mean_diameter
+        outer = simulation.boundary.radius - 0.5 * d
+        return Rings(self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1), np.empty(0))
+
+    def look(self, simulation, records, k):
+        """Records a row, some snapshots, and after the discarded travel the sums for the profiles."""
+        discarded, samples = (round(travel * self.samples_per_diameter) for travel in (self.discard, self.travel))
+        snapshot = simulation.snapshot()
+        records.rows.append(self.measure(simulation))
+        sample = k + 1
+        if sample > discarded:
+            a_block = round(self.block * self.samples_per_diameter)
+            records.add_to_blocks(densities(snapshot, self.place(simulation), extensive_needs(PROFILES)), a_block)
+        if k == 0:
+            records.snapshots["start"] = snapshot
+        if sample in spread_evenly(self.frames, discarded, samples):
+            records.snapshots[frame_name(sample)] = snapshot
+        records.snapshots["end"] = snapshot
+
+    def results(self, records, simulation):
+        """Series; profiles and blocks, once there is a block; status."""
+        series = labelled_series(records.rows, self.kind)
+        if records.blocks is None or not records.blocks.means():
+            return series, None, None, squeezed(simulation)
+        profiles, blocks = field_profiles(records.blocks, self.place(simulation), PROFILES)
+        depth = (profiles.r.values - self.inner_radius) / self.mean_diameter
+        profiles = profiles.assign_coords(depth=("r", depth, attributes("depth")))
+        return series, profiles, blocks, self.judge(blocks, series, simulation)
+
+    def nominal_inertial_number(self):
+        """Next to the inner ring, if the flow were one mean diameter wide."""
+        mass = float(sphere_mass(self.radii()[0], self.density).mean())
+        return self.wall_speed / self.mean_diameter * math.sqrt(mass / self.pressure)
 
     def outer_radius(self, simulation):
         """Radius of the circle through the tops of the outer wreath."""

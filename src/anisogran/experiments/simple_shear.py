@@ -8,6 +8,7 @@ stress, at constant volume too, where the stress is an outcome.
 
 import math
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -17,8 +18,9 @@ from anisogran import tensors
 from anisogran.averaging import average, drift, mean_and_error
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, Run, Watch, frame_name, labelled_series, provenance, spread_evenly, squeezed
-from anisogran.experiments.preparation import LOOSE, background_drag, quasi_static_step
+from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.outcome import InputError
 
 CLOSING = 0.02  # strain rate of the height while nothing resists, in units of sqrt(pressure/mean mass)
@@ -34,6 +36,8 @@ class SimpleShear(Experiment):
     The cell is about square when pressed. `strain` is the whole shear strain; the first `discard` of it is not averaged.
     """
 
+    kind: ClassVar[str] = "simple_shear"
+    output_keys: ClassVar[frozenset] = frozenset({"frames"})
     pressure: float = Field(1.0, gt=0, description="vertical stress, N/m; with area_fraction only the scale of the shear rate")
     inertial_number: float | None = Field(None, gt=0, le=1, description="0.01 unless rate is given")
     rate: float | None = Field(None, gt=0, description="shear rate instead of inertial_number, 1/s")
@@ -61,89 +65,152 @@ class SimpleShear(Experiment):
         if self.strain < self.discard + 0.5:
             raise InputError(f"SimpleShear: strain = {self.strain:g} must be at least discard + 0.5 = {self.discard + 0.5:g}")
 
-    def run(self, progress=None):
-        """The Run: series over time with strain, stress, s_D, stress_ratio, area_fraction, fabric. Raises RunFailed if it blows up."""
-        watch = Watch(progress)
-        return self.shear(self.prepare(watch), watch)
+    def stages(self):
+        """Prepare: press together, without friction and damped, or compress to the area fraction; relax; shear."""
+        radius, (width, height), _ = self.loose_cell()
+        dt = self.step(radius)
+        rate, closing = self.shear_rate(radius), self.closing_rate(radius)
+        samples = round(self.strain * self.samples_per_strain)
+        shearing = max(1, round(1 / (rate * self.samples_per_strain * dt))) * np.arange(1, samples + 1)
+        if self.area_fraction is None:
+            steps = int(1.5 * math.log(DENSE / LOOSE) / closing / dt)
+            gate = equilibrium(self.contact.stiffest, self.stress_error)
+            prepare = Stage("prepare", steps // 10 * np.arange(1, 11), begin=self.pressed)
+            relax = Stage("relax", max(1, steps // 10) * np.arange(1, ATTEMPTS + 1), gate=gate, expected=12)
+        else:
+            steps = self.compression_steps(radius, dt)
+            prepare = Stage("prepare", np.array([steps]), begin=self.compressed)
+            relax = Stage(
+                "relax", max(1, steps // 10) * np.arange(1, ATTEMPTS + 1), begin=self.stopped, gate=self.calm, expected=2
+            )  # fmt: skip
+        return prepare, relax, Stage("shear", shearing, begin=self.sheared, look=self.look)
 
-    def prepare(self, watch):
-        """A Simulation pressed together in the periodic cell, frictionless and damped, or compressed to the area fraction."""
+    def loose_cell(self):
+        """Radii (N,), width and height of the cell in which they are loose, and the random numbers that come next."""
         dense = self.area_fraction or DENSE
         rng = np.random.default_rng(self.seed)
         radius = uniform_radii(self.grains, 0.5 * self.mean_diameter, self.size_ratio, rng)
         width = math.sqrt(np.sum(np.pi * radius**2) / dense)
-        height = width * dense / LOOSE
+        return radius, (width, width * dense / LOOSE), rng
+
+    def step(self, radius):
+        """The time step in s."""
+        return quasi_static_step(self.contact, self.friction, sphere_mass(radius, self.density))
+
+    def rate_scale(self, radius):
+        """sqrt(pressure/mean mass) in 1/s, in which rates are measured."""
+        return 1 / math.sqrt(sphere_mass(radius, self.density).mean() / self.pressure)
+
+    def shear_rate(self, radius):
+        """In 1/s, as given or from the inertial number."""
+        return self.rate or self.inertial_number * self.rate_scale(radius)
+
+    def closing_rate(self, radius):
+        """Strain rate of the height while the cell closes, in 1/s; when a volume is wanted, such that it is met after whole steps."""
+        closing = CLOSING * self.rate_scale(radius)
+        if self.area_fraction is None:
+            return closing
+        dt = self.step(radius)
+        return math.log(self.area_fraction / LOOSE) / (self.compression_steps(radius, dt) * dt)
+
+    def compression_steps(self, radius, dt):
+        """Steps in which the cell is compressed to its area fraction."""
+        return math.ceil(math.log(self.area_fraction / LOOSE) / (CLOSING * self.rate_scale(radius)) / dt)
+
+    def loose_grains(self):
+        """Grains in their random start, radii, width and height of their cell."""
+        radius, (width, height), rng = self.loose_cell()
         period = np.array([width, height])
 
         def anywhere(points, r):
             return np.ones(len(points), bool)
 
         position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
-        grains = Grains(position, radius, density=self.density)
-        closing = CLOSING / math.sqrt(grains.mass.mean() / self.pressure)
-        drag, dt = background_drag(self.contact, grains.mass), quasi_static_step(self.contact, self.friction, grains.mass)
-        if self.area_fraction is not None:
-            steps = math.ceil(math.log(dense / LOOSE) / closing / dt)
-            closing = math.log(dense / LOOSE) / (steps * dt)
-            return self.compress(grains, (width, height), closing, steps, dt, watch)
-        cell = Periodic(width, height, pressure=(None, self.pressure), viscosity=self.pressure / closing)
-        simulation = Simulation(grains, self.contact, boundary=cell, drag=drag, dt=dt)
-        steps = int(1.5 * math.log(dense / LOOSE) / closing / simulation.dt)
-        for _ in range(10):
-            watch.run(simulation, steps // 10)
-        return simulation
+        return Grains(position, radius, density=self.density), radius, (width, height)
 
-    def compress(self, grains, size, closing, steps, dt, watch):
-        """A Simulation brought to its area fraction in that many steps at the strain rate `closing`, and then left to its dashpots.
+    def pressed(self, _):
+        """The Simulation of a loose sample whose height is pressed together."""
+        grains, radius, size = self.loose_grains()
+        cell = Periodic(*size, pressure=(None, self.pressure), viscosity=self.pressure / self.closing_rate(radius))
+        return Simulation(grains, self.contact, boundary=cell, drag=background_drag(self.contact, grains.mass), dt=self.step(radius))
+
+    def stress_error(self, simulation):
+        """How far the vertical stress is from the pressure, relative."""
+        return abs(float(average(simulation.snapshot(), fields=["stress"]).stress[1, 1]) / self.pressure - 1)
+
+    def compressed(self, _):
+        """The Simulation of a loose sample whose height shrinks at a steady rate.
 
         The grains begin in the affine flow of the cell, so that it is compressed evenly; drag would hold them back.
         """
+        grains, radius, size = self.loose_grains()
+        closing = self.closing_rate(radius)
         affine = np.stack([np.zeros(len(grains)), -closing * grains.position[:, 1]], axis=1)
         cell = Periodic(*size, stretch_rate=(0.0, -closing))
-        simulation = Simulation(replace(grains, velocity=affine), self.contact, boundary=cell, dt=dt)
-        watch.run(simulation, steps)
-        width, height = simulation.walls.lattice[:2]
-        velocity = simulation.velocity
-        velocity[:, 1] += closing * simulation.position[:, 1]
-        simulation = simulation.next_stage(boundary=Periodic(width, height), velocity=velocity)
-        watch.run(simulation, steps // 2)
-        return simulation
+        return Simulation(replace(grains, velocity=affine), self.contact, boundary=cell, dt=self.step(radius))
 
-    def shear(self, prepared, watch):
-        """Shears the prepared sample and records it."""
+    def stopped(self, compressed):
+        """The Simulation of the compressed sample in a cell that rests, left to its dashpots.
+
+        As a whole it rests too: no contact would ever stop a common drift in a periodic cell.
+        """
+        width, height = compressed.walls.lattice[:2]
+        velocity = compressed.velocity
+        velocity[:, 1] += self.closing_rate(compressed.grains.radius) * compressed.position[:, 1]
+        velocity -= np.average(velocity, axis=0, weights=compressed.grains.mass)
+        return compressed.next_stage(boundary=Periodic(width, height), velocity=velocity)
+
+    def calm(self, simulation):
+        """A gate: at a given volume the grains may have no contact, but they move less than the flow will move them over a diameter."""
+        energy = 0.5 * float(simulation.grains.mass.sum()) * (self.shear_rate(simulation.grains.radius) * self.mean_diameter) ** 2
+        kinetic = simulation.kinetic_energy()
+        return "" if kinetic < energy else f"E_kin = {kinetic:.2g} J (wanted < {energy:.2g} J, that of the shear over one diameter)"
+
+    def sheared(self, prepared):
+        """The Simulation of the prepared sample with friction, in the linear profile of its flow."""
         width, height = prepared.walls.lattice[:2]
-        scale = 1 / math.sqrt(prepared.grains.mass.mean() / self.pressure)
-        rate = self.rate or self.inertial_number * scale
+        radius = prepared.grains.radius
+        rate = self.shear_rate(radius)
         control = {}
         if self.area_fraction is None:
-            control = {"pressure": (None, self.pressure), "viscosity": self.pressure / max(CLOSING * scale, 0.5 * rate)}
+            control = {"pressure": (None, self.pressure), "viscosity": self.pressure / max(CLOSING * self.rate_scale(radius), 0.5 * rate)}
+        velocity = prepared.velocity
+        velocity[:, 0] += rate * prepared.position[:, 1]
         cell = Periodic(width, height, shear_rate=rate, **control)
-        position, velocity = prepared.position, prepared.velocity
-        velocity[:, 0] += rate * position[:, 1]
-        simulation = prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)
-        samples = round(self.strain * self.samples_per_strain)
-        between = max(1, round(1 / (rate * self.samples_per_strain * simulation.dt)))
-        rows, snapshots = [], {}
-        kept = spread_evenly(self.frames, round(self.discard * self.samples_per_strain), samples)
-        for k in range(1, samples + 1):
-            watch.run(simulation, between)
-            snapshot = simulation.snapshot()
-            rows.append(self.measure(simulation, snapshot, rate))
-            if k in kept:
-                snapshots[frame_name(k)] = snapshot
-            watch.progress(k / samples)
-        snapshots["end"] = snapshot
-        series = labelled_series(rows, "simple_shear")
-        moved = drift(blocks_of(self.steady(series)).stress_ratio)
-        status = squeezed(simulation)
-        vertical = float(self.steady(series).sigma_yy.mean())
+        return prepared.next_stage(boundary=cell, friction=self.friction, drag=None, velocity=velocity)
+
+    def look(self, simulation, records, k):
+        """Records a row and some snapshots."""
+        discarded, samples = (round(strain * self.samples_per_strain) for strain in (self.discard, self.strain))
+        snapshot = simulation.snapshot()
+        records.rows.append(self.measure(simulation, snapshot, simulation.boundary.shear_rate))
+        if k + 1 in spread_evenly(self.frames, discarded, samples):
+            records.snapshots[frame_name(k + 1)] = snapshot
+        records.snapshots["end"] = snapshot
+
+    def results(self, records, simulation):
+        """Series, no fields, and the status."""
+        series = labelled_series(records.rows, self.kind)
+        return series, None, None, self.judge(series, simulation)
+
+    def nominal_inertial_number(self):
+        """Under the pressure that is given."""
+        radius, _, _ = self.loose_cell()
+        return self.shear_rate(radius) / self.rate_scale(radius)
+
+    def judge(self, series, simulation):
+        """Warnings a reader must see: pressure not held, drift, stale neighbour lists."""
+        status, steady = squeezed(simulation), self.steady(series)
+        if steady.sizes["time"] < 4:
+            return status.warn("too short to tell whether the flow is steady")
+        moved, vertical = drift(blocks_of(steady).stress_ratio), float(steady.sigma_yy.mean())
         if self.area_fraction is None and abs(vertical / self.pressure - 1) > 0.05:
             status = status.warn(f"the mean vertical stress is {vertical / self.pressure:.2f} times the one asked for")
         if abs(moved) > 4:
             status = status.warn(f"not steady: the stress ratio drifts by {moved:.1f} standard errors")
         if simulation.counters["late_builds"]:
             status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
-        return Run(self, series, None, None, snapshots, status, provenance(self, watch, simulation))
+        return status
 
     def steady(self, series):
         """The part of the series after the discarded strain."""
