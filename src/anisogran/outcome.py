@@ -61,9 +61,15 @@ class Status:
             raise RunFailed("; ".join(self.reasons))
 
 
+def shown(value, most=60):
+    """The value as one short line for a message."""
+    text = repr(value)
+    return text if len(text) <= most else f"{text[:most]}..."
+
+
 def closest(word, known):
     """Of the known names the one that is spelt most like the word, for a message that asks "did you mean ...?"."""
-    return get_close_matches(str(word), [str(name) for name in known], n=1, cutoff=0.0)[0]
+    return get_close_matches(str(word)[:100], [str(name) for name in known], n=1, cutoff=0.0)[0]
 
 
 def checked(where, key, value, *, above=None, at_least=None, below=None, at_most=None, unit=""):
@@ -73,8 +79,10 @@ def checked(where, key, value, *, above=None, at_least=None, below=None, at_most
     """
     try:
         number = float(value)
+    except OverflowError:
+        raise InputError(f"{where}: {key} is too large a number") from None
     except (TypeError, ValueError):
-        raise InputError(f"{where}: {key} = {value!r} is not a number") from None
+        raise InputError(f"{where}: {key} = {shown(value)} is not a number") from None
     bounds = (
         (above, "above", lambda bound: number > bound),
         (at_least, "at least", lambda bound: number >= bound),

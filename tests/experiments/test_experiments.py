@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
@@ -14,8 +15,8 @@ from anisogran import Biaxial, RingShear, SimpleShear, average
 from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
-from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.experiments.simple_shear import steady_state
+from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
 
@@ -101,7 +102,7 @@ def test_everything_is_labelled(biaxial, ring, shear):
 
 def test_provenance_tells_scene_and_effects(biaxial):
     p = biaxial.provenance
-    assert json.loads(p["scene"])["friction"]["mu"] == 0.5
+    assert tomllib.loads(p["scene"])["friction"]["mu"] == 0.5
     assert "Friction" in p["active_effects"]
     assert p["absent_effects"] == "rolling, gravity, wall_friction, drag"
     assert p["late_builds"] == 0
@@ -316,19 +317,28 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Biaxial(pressure=-1.0), "Biaxial: pressure = -1.0: Input should be greater than 0"),
-        (lambda: Biaxial(presure=1.0), "Biaxial: presure = 1.0: Extra inputs are not permitted"),
-        (lambda: Biaxial(grains=3), "Biaxial: grains = 3: Input should be greater than or equal to 20"),
-        (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast': Input should be a valid number"),
-        (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan"),
+        (lambda: Biaxial(pressure=-1.0), "Biaxial: pressure = -1 must be above 0 N/m"),
+        (lambda: Biaxial(presure=1.0), "Biaxial: unknown key 'presure', did you mean 'pressure'\\? biaxial has pressure, contact"),
+        (lambda: Biaxial(grains=3), "Biaxial: grains = 3 must be at least 20"),
+        (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),
+        (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan must be a finite number"),
         (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 40 \\+ 20, or there is nothing to average"),
         (lambda: RingShear(grains=60), "grains = 60 fill a gap of 1.4 mean diameters; 4.5 are needed"),
         (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
         (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),
         (lambda: SimpleShear(inertial_number=0.1, rate=0.2), "inertial_number = 0.1 and rate = 0.2 1/s: give one of them"),
-        (lambda: SimpleShear(area_fraction=0.3), "SimpleShear: area_fraction = 0.3: Input should be greater than 0.4"),
-        (lambda: SimpleShear(rate=0.0), "SimpleShear: rate = 0.0: Input should be greater than 0"),
+        (lambda: SimpleShear(area_fraction=0.3), "SimpleShear: area_fraction = 0.3 must be above 0.4"),
+        (lambda: SimpleShear(rate=0.0), "SimpleShear: rate = 0 must be above 0 1/s"),
         (lambda: SimpleShear(strain=1.0), "strain = 1 must be at least discard \\+ 0.5 = 2"),
+        (lambda: Biaxial(grains=True), "Biaxial: grains = True is not a number"),
+        (lambda: Biaxial(grains=20.5), "Biaxial: grains = 20.5 is not a whole number"),
+        (lambda: Biaxial(seed=None), "Biaxial: seed = None is not a number"),
+        (lambda: Biaxial(seed=10**400), "Biaxial: seed is too large a number"),
+        (lambda: Biaxial(contact=3.0), "Biaxial: contact = 3.0 must be Linear or Luding"),
+        (lambda: Biaxial(friction="none"), "Biaxial: friction = 'none' must be Friction or None"),
+        (lambda: Biaxial(contact={"k1": -1.0, "k2": 2.0}), r"Biaxial: \[contact\] k1 = -1 must be above 0 N/m"),
+        (lambda: Biaxial(contact={"law": "luding", "k1": 1.0}), r"Biaxial: \[contact\] k2 is missing; luding has k1, k2, kc"),
+        (lambda: Biaxial(contact=Luding(True, 1.0)), "Luding: k1 = True is not a number"),
         (lambda: Biaxial(contact=Luding(2.0, 1.0)), "Luding: k2 = 1 must be at least 2"),
     ],
 )

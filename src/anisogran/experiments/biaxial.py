@@ -9,13 +9,13 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
 
 from anisogran.averaging import average
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 from anisogran.experiments.stages import Stage, equilibrium
 
 
@@ -28,17 +28,18 @@ class Biaxial(Experiment):
 
     kind: ClassVar[str] = "biaxial"
     output_keys: ClassVar[frozenset] = frozenset({"samples"})
-    pressure: float = Field(100.0, gt=0, description="side pressure, N/m")
-    contact: Linear | Luding = Luding(k1=5e4, k2=1e5, kc=0.0, damping=0.1)
-    friction: Friction | None = None
-    grains: int = Field(1950, ge=20, le=10_000_000)
-    mean_radius: float = Field(1e-3, gt=0, description="m")
-    size_ratio: float = Field(3.0, ge=1, le=20)
-    density: float = Field(2000.0, gt=0, description="kg/m3")
-    strain: float = Field(0.1, gt=0, lt=1)
-    duration: float = Field(1.0, gt=0, description="s")
-    samples: int = Field(200, ge=10)
-    seed: int = Field(0, ge=0)
+    quick: ClassVar[dict] = {"grains": 150, "strain": 0.06, "duration": 0.02, "samples": 100}
+    pressure: float = scene_key("N/m", "constant pressure on the side wall", 100.0, above=0)
+    contact: Linear | Luding = scene_table("normal contact law", Luding(k1=5e4, k2=1e5, kc=0.0, damping=0.1))
+    friction: Friction | None = scene_table("sliding friction, switched on when loading begins; without it grains do not turn", None)
+    grains: int = scene_key("1", "number of grains", 1950, at_least=20, at_most=10_000_000)
+    mean_radius: float = scene_key("m", "mean radius of the grains", 1e-3, **LENGTH)
+    size_ratio: float = scene_key("1", "largest over smallest radius", 3.0, at_least=1, at_most=20)
+    density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 2000.0, above=0)
+    strain: float = scene_key("1", "vertical strain at the end, ln(z0/z)", 0.1, above=0, below=1)
+    duration: float = scene_key("s", "time of loading", 1.0, above=0)
+    samples: int = scene_key("1", "rows of the series after the first", 200, at_least=10, at_most=MANY)
+    seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
 
     def stages(self):
         """Prepare and relax under the pressure, without friction and damped; load."""

@@ -5,24 +5,29 @@ from typing import ClassVar
 import xarray as xr
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from anisogran.experiments.scene_keys import checked_values
 from anisogran.glossary import CONVENTIONS, attributes
-from anisogran.outcome import InputError, Status
+from anisogran.outcome import InputError, Status, shown
 
 
 class Experiment(BaseModel):
-    """A frozen record: every field checked, unknown ones refused. Raises InputError with one line for the first thing that is wrong."""
+    """A frozen record: every field checked, unknown ones refused. Raises InputError with one line for the first thing that is wrong.
+
+    `kind` is its name in a scene file, `quick` what makes a template's quick size of it.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
     kind: ClassVar[str]
-    output_keys: ClassVar[frozenset]  # keys that say only what is written down: they may differ when a run is taken up again
+    quick: ClassVar[dict]
+    output_keys: ClassVar[frozenset]  # what says only what is written down: it may differ when a run is taken up again
 
     def __init__(self, **values):
         try:
-            super().__init__(**values)
-        except ValidationError as error:
+            super().__init__(**checked_values(type(self), values))
+        except ValidationError as error:  # no case is known; whatever pydantic finds beyond our own checks is told in one line
             first = error.errors()[0]
             key = ".".join(str(part) for part in first["loc"])
-            raise InputError(f"{type(self).__name__}: {key} = {first['input']!r}: {first['msg']}") from None
+            raise InputError(f"{type(self).__name__}: {key} = {shown(first['input'])}: {first['msg']}") from None
         self.check()
 
     def check(self):

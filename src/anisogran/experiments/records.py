@@ -30,7 +30,7 @@ class Records:
 
     @classmethod
     def unpacked(cls, plain):
-        """The Records of such a dict. Raises KeyError, TypeError, ValueError or AttributeError for another one, InputError for snapshots."""
+        """The Records of such a dict. Raises LookupError, TypeError, ValueError or AttributeError for another one."""
         records = cls()
         columns = plain["rows"]
         records.rows = [dict(zip(columns, row, strict=True)) for row in zip(*(column.tolist() for column in columns.values()), strict=True)]

@@ -11,13 +11,13 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
 
 from anisogran.averaging import Rings, densities, drift, extensive_needs, field_profiles
 from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
@@ -46,21 +46,22 @@ class RingShear(Experiment):
 
     kind: ClassVar[str] = "ring_shear"
     output_keys: ClassVar[frozenset] = frozenset({"frames"})
-    pressure: float = Field(1.0, gt=0, description="outer pressure, N/m")
-    contact: Linear | Luding = Linear(stiffness=1000.0, damping=4.0)
-    friction: Friction | None = Friction(stiffness=500.0, mu=0.44)
-    grains: int = Field(600, ge=50, le=10_000_000, description="free grains")
-    mean_diameter: float = Field(1.0, gt=0, description="m")
-    size_ratio: float = Field(2.0, ge=1, le=2.9)
-    density: float = Field(1.0, gt=0, description="kg/m3")
-    inner_radius: float = Field(6.0, gt=0, description="m")
-    wall_speed: float = Field(0.04, gt=0, description="m/s at the inner radius")
-    travel: float = Field(200.0, gt=0, description="mean diameters of wall travel")
-    discard: float = Field(40.0, ge=0, description="mean diameters of wall travel")
-    block: float = Field(20.0, gt=0, description="mean diameters of wall travel")
-    samples_per_diameter: int = Field(20, ge=1)
-    frames: int = Field(20, ge=0, description="snapshots of the averaged part that are kept")
-    seed: int = Field(0, ge=0)
+    quick: ClassVar[dict] = {"grains": 250, "inner_radius": 4.0, "travel": 10.0, "discard": 2.0, "block": 1.0}
+    pressure: float = scene_key("N/m", "pressure on the outer ring", 1.0, above=0)
+    contact: Linear | Luding = scene_table("normal contact law", Linear(stiffness=1000.0, damping=4.0))
+    friction: Friction | None = scene_table("sliding friction; without it grains do not turn", Friction(stiffness=500.0, mu=0.44))
+    grains: int = scene_key("1", "number of free grains", 600, at_least=50, at_most=10_000_000)
+    mean_diameter: float = scene_key("m", "mean diameter of the grains, and that of the discs on the rings", 1.0, **LENGTH)
+    size_ratio: float = scene_key("1", "largest over smallest radius", 2.0, at_least=1, at_most=2.9)
+    density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 1.0, above=0)
+    inner_radius: float = scene_key("m", "radius of the inner ring, over the tops of its discs", 6.0, **LENGTH)
+    wall_speed: float = scene_key("m/s", "speed of the inner ring at its radius", 0.04, above=0)
+    travel: float = scene_key("1", "wall travel in mean diameters", 200.0, above=0, at_most=1e9)
+    discard: float = scene_key("1", "wall travel before averaging begins, in mean diameters", 40.0, at_least=0, at_most=1e9)
+    block: float = scene_key("1", "wall travel of a block for the error bars, in mean diameters", 20.0, above=0, at_most=1e9)
+    samples_per_diameter: int = scene_key("1", "rows of the series per mean diameter of wall travel", 20, at_least=1, at_most=MANY)
+    frames: int = scene_key("1", "snapshots of the averaged part that are kept", 20, at_least=0, at_most=MANY)
+    seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
 
     def check(self):
         if self.travel < self.discard + self.block:

@@ -11,6 +11,7 @@ import anisogran
 from anisogran.dem import Simulation
 from anisogran.experiments.records import Records
 from anisogran.experiments.run import Run
+from anisogran.experiments.scene_writing import scene_text
 from anisogran.outcome import InputError, Status
 
 PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
@@ -119,7 +120,7 @@ class Session:
         """Where the result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""
         active, absent = self.simulation.active_effects()
         return {
-            "scene": self.scene.model_dump_json(),
+            "scene": scene_text(self.scene),
             "anisogran": anisogran.__version__,
             "python": platform.python_version(),
             "platform": sys.platform,

@@ -12,7 +12,6 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from anisogran import tensors
 from anisogran.averaging import average, drift, mean_and_error
@@ -20,6 +19,7 @@ from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.outcome import InputError
 
@@ -38,21 +38,26 @@ class SimpleShear(Experiment):
 
     kind: ClassVar[str] = "simple_shear"
     output_keys: ClassVar[frozenset] = frozenset({"frames"})
-    pressure: float = Field(1.0, gt=0, description="vertical stress, N/m; with area_fraction only the scale of the shear rate")
-    inertial_number: float | None = Field(None, gt=0, le=1, description="0.01 unless rate is given")
-    rate: float | None = Field(None, gt=0, description="shear rate instead of inertial_number, 1/s")
-    area_fraction: float | None = Field(None, gt=LOOSE, le=0.95, description="kept constant, instead of the vertical stress")
-    contact: Linear | Luding = Linear(stiffness=1000.0, damping=4.0)
-    friction: Friction | None = Friction(stiffness=500.0, mu=0.44)
-    grains: int = Field(400, ge=50, le=10_000_000)
-    mean_diameter: float = Field(1.0, gt=0, description="m")
-    size_ratio: float = Field(2.0, ge=1, le=20)
-    density: float = Field(1.0, gt=0, description="kg/m3")
-    strain: float = Field(5.0, gt=0)
-    discard: float = Field(1.5, ge=0)
-    samples_per_strain: int = Field(50, ge=5)
-    frames: int = Field(20, ge=0, description="snapshots of the averaged part that are kept")
-    seed: int = Field(0, ge=0)
+    quick: ClassVar[dict] = {"inertial_number": 0.05, "grains": 100, "strain": 3.0, "discard": 1.0}
+    pressure: float = scene_key("N/m", "vertical stress; with area_fraction only the scale of the shear rate", 1.0, above=0)
+    inertial_number: float | None = scene_key(
+        "1", "inertial number; 0.01 unless rate is given", None, above=0, at_most=1, example=0.01
+    )  # fmt: skip
+    rate: float | None = scene_key("1/s", "shear rate, instead of inertial_number", None, above=0, example=0.01)
+    area_fraction: float | None = scene_key(
+        "1", "kept constant, instead of the vertical stress", None, above=LOOSE, at_most=0.95, example=0.82
+    )  # fmt: skip
+    contact: Linear | Luding = scene_table("normal contact law", Linear(stiffness=1000.0, damping=4.0))
+    friction: Friction | None = scene_table("sliding friction; without it grains do not turn", Friction(stiffness=500.0, mu=0.44))
+    grains: int = scene_key("1", "number of grains", 400, at_least=50, at_most=10_000_000)
+    mean_diameter: float = scene_key("m", "mean diameter of the grains", 1.0, **LENGTH)
+    size_ratio: float = scene_key("1", "largest over smallest radius", 2.0, at_least=1, at_most=20)
+    density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 1.0, above=0)
+    strain: float = scene_key("1", "shear strain at the end", 5.0, above=0, at_most=1e9)
+    discard: float = scene_key("1", "shear strain before averaging begins", 1.5, at_least=0, at_most=1e9)
+    samples_per_strain: int = scene_key("1", "rows of the series per unit of shear strain", 50, at_least=5, at_most=MANY)
+    frames: int = scene_key("1", "snapshots of the averaged part that are kept", 20, at_least=0, at_most=MANY)
+    seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
 
     def __init__(self, **values):
         if values.get("inertial_number") is None and values.get("rate") is None:
@@ -67,7 +72,7 @@ class SimpleShear(Experiment):
 
     def stages(self):
         """Prepare: press together, without friction and damped, or compress to the area fraction; relax; shear."""
-        radius, (width, height), _ = self.loose_cell()
+        radius, _, _ = self.loose_cell()
         dt = self.step(radius)
         rate, closing = self.shear_rate(radius), self.closing_rate(radius)
         samples = round(self.strain * self.samples_per_strain)

@@ -1,13 +1,10 @@
 """The TOML file of an element test: read, checked, and written as a template."""
 
-import tomllib
-from pathlib import Path
-
+from anisogran.files.toml_file import read_toml
 from anisogran.models import LAWS
 from anisogran.models.controls import KINDS
 from anisogran.outcome import InputError, closest
 
-LARGEST = 1_000_000  # bytes of a file that somebody wrote
 _KEYS = ("law", "integrator", "steps", "parameters", "start", "control")
 
 _PATHS = {
@@ -32,14 +29,7 @@ def read_element(path):
     Raises InputError, one line with file, table, key and what is allowed, for a file that cannot be read or that says something unknown;
     what the law and the path say about their own keys and bounds is told by `element_test`.
     """
-    try:
-        if Path(path).stat().st_size > LARGEST:
-            raise InputError(f"{path}: larger than {LARGEST} bytes, no element test")
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: not a TOML file ({' '.join(str(error).split())})") from None
+    content = read_toml(path)
     for key in content:
         if key not in _KEYS:
             raise InputError(f"{path}: unknown key {key!r}, did you mean {closest(key, _KEYS)!r}? It has {', '.join(_KEYS)}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import copysign
 from typing import NamedTuple
 
+from anisogran.keys import check_keys, key
 from anisogran.outcome import checked
 
 
@@ -26,17 +27,15 @@ class Friction:
     A contact sticks while the spring force stays below mu times the normal force, and slides at mu_dynamic (default: mu) times it.
     """
 
-    stiffness: float
-    mu: float
-    mu_dynamic: float | None = None
-    damping: float = 0.0
+    stiffness: float = key("N/m", "stiffness of the tangential spring", above=0, example=2e4)
+    mu: float = key("1", "coefficient up to which a contact sticks", at_least=0, example=0.5)
+    mu_dynamic: float | None = key("1", "coefficient at which it slides, at most mu; left out: mu", None, at_least=0, example=0.4)
+    damping: float = key("kg/s", "tangential force per speed of slip", 0.0, at_least=0)
 
     def __post_init__(self):
-        checked("Friction", "stiffness", self.stiffness, above=0, unit="N/m")
-        checked("Friction", "mu", self.mu, at_least=0)
+        check_keys(self)
         if self.mu_dynamic is not None:
-            checked("Friction", "mu_dynamic", self.mu_dynamic, at_least=0, at_most=self.mu)
-        checked("Friction", "damping", self.damping, at_least=0, unit="kg/s")
+            checked("Friction", "mu_dynamic", self.mu_dynamic, at_most=self.mu, unit="(= mu)")
 
     def parameters(self):
         """The floats for the kernel."""

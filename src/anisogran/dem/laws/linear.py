@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from anisogran.outcome import checked
+from anisogran.keys import check_keys, key
 
 
 class LinearParameters(NamedTuple):
@@ -21,14 +21,13 @@ class Linear:
     form exp(-damping t_c / (2 m12)).
     """
 
-    stiffness: float
-    damping: float = 0.0
+    stiffness: float = key("N/m", "stiffness of the spring", above=0, example=1e5)
+    damping: float = key("kg/s", "normal force per speed of approach", 0.0, at_least=0)
     remembers: ClassVar[bool] = False  # the law needs no largest overlap
     sees_size: ClassVar[bool] = False  # nor the radii of a pair
 
     def __post_init__(self):
-        checked("Linear", "stiffness", self.stiffness, above=0, unit="N/m")
-        checked("Linear", "damping", self.damping, at_least=0, unit="kg/s")
+        check_keys(self)
 
     @property
     def stiffest(self):

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
+from anisogran.keys import check_keys, key
 from anisogran.outcome import checked
 
 
@@ -45,20 +46,19 @@ class Luding:
     limit stiffness k2, to which the unloading stiffness grows from k1. None: the unloading stiffness is k2 from the beginning.
     """
 
-    k1: float
-    k2: float
-    kc: float = 0.0
-    damping: float = 0.0
-    plastic_depth: float | None = None
+    k1: float = key("N/m", "stiffness of first loading", above=0, example=5e4)
+    k2: float = key("N/m", "stiffness of un- and reloading, at least k1", above=0, example=1e5)
+    kc: float = key("N/m", "slope of the adhesive limit; 0: no cohesion", 0.0, at_least=0)
+    damping: float = key("kg/s", "normal force per speed of approach", 0.0, at_least=0)
+    plastic_depth: float | None = key(
+        "1", "overlap at zero force, over the mean radius, where the unloading stiffness, growing from k1, has reached k2", None,
+        above=0, example=0.05,
+    )  # fmt: skip
     remembers: ClassVar[bool] = True  # the law needs the largest overlap of each contact
 
     def __post_init__(self):
-        checked("Luding", "k1", self.k1, above=0, unit="N/m")
+        check_keys(self)
         checked("Luding", "k2", self.k2, at_least=self.k1, unit="N/m (= k1)")
-        checked("Luding", "kc", self.kc, at_least=0, unit="N/m")
-        checked("Luding", "damping", self.damping, at_least=0, unit="kg/s")
-        if self.plastic_depth is not None:
-            checked("Luding", "plastic_depth", self.plastic_depth, above=0)
 
     @property
     def sees_size(self):

@@ -1,0 +1,7 @@
+"""The experiments by their kind in a scene file: the one list that a new one joins."""
+
+from anisogran.experiments.biaxial import Biaxial
+from anisogran.experiments.ring_shear import RingShear
+from anisogran.experiments.simple_shear import SimpleShear
+
+KINDS = {experiment.kind: experiment for experiment in (Biaxial, RingShear, SimpleShear)}

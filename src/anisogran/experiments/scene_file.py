@@ -1,0 +1,77 @@
+"""Scene files: a kind of experiment and its keys in TOML, the same that its record takes in Python.
+
+kind = "biaxial"
+pressure = 100.0        # or "100 N/m"
+friction = "none"       # switches off what has a default
+[contact]
+law = "luding"          # k1, k2, ...
+[quick]                 # what replaces the above in a quick run
+grains = 150
+"""
+
+from anisogran.experiments.kinds import KINDS
+from anisogran.experiments.scene_keys import chosen
+from anisogran.experiments.scene_tables import Place, merged, scene_of, tables_of
+from anisogran.files.toml_file import parsed_toml, read_toml
+from anisogran.outcome import InputError, shown
+
+
+def read_scene(path, overrides=(), quick=False):
+    """The Experiment of a scene file; what it leaves out is the default of the experiment.
+
+    `overrides` are texts KEY=VALUE such as "contact.kc=1e5" or "friction=none", applied last. `quick`: with the keys of its table
+    [quick]. Raises InputError, one line naming file (or --set), table, key, value and bound.
+    """
+    content = read_toml(path)
+    if "kind" not in content:
+        raise InputError(f"{path}: kind is missing; it must be one of {', '.join(KINDS)}")
+    experiment = experiment_of(content.pop("kind"), f"{path}: kind")
+    smaller = content.pop("quick", None)
+    tables, defaults, where = merged(experiment, {}, content, Place(path)), tables_of(experiment()), str(path)
+    scene = scene_of(experiment, tables, where)
+    if smaller is None and quick:
+        raise InputError(f"{path}: has no table [quick]")
+    if smaller is not None:
+        if not isinstance(smaller, dict):
+            raise InputError(f"{path}: quick = {shown(smaller)} must be a table, [quick]")
+        reduced = merged(experiment, tables, smaller, Place(path, "quick"), defaults)
+        small = scene_of(experiment, reduced, f"{path} with [quick]")  # also if it is not wanted: a file is right or wrong as a whole
+        if quick:
+            tables, scene, where = reduced, small, f"{path} with [quick]"
+    for text in overrides:
+        key, value = parsed_override(text)
+        tables = merged(experiment, tables, _nested(key, value), Place(f"--set {' '.join(text.split())}"), defaults)
+    return scene_of(experiment, tables, f"{where} with --set {' '.join(', '.join(overrides).split())}") if overrides else scene
+
+
+def changed(scene, changes):
+    """The scene with other values, {"contact.kc": 5e4, "seed": 2}. Raises InputError as `read_scene` does."""
+    experiment, tables = type(scene), tables_of(scene)
+    defaults = tables_of(experiment())
+    for key, value in changes.items():
+        tables = merged(experiment, tables, _nested(key, value), Place(experiment.__name__), defaults)
+    return scene_of(experiment, tables, experiment.__name__)
+
+
+def experiment_of(kind, where="kind"):
+    """The class of experiments of that kind. Raises InputError with the nearest one."""
+    return chosen(KINDS.values(), kind, where)
+
+
+def parsed_override(text):
+    """(key, value) of a text KEY=VALUE; the value as TOML, or else the text itself."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise InputError(f"--set {text}: must be KEY=VALUE, such as contact.kc=1e5")
+    try:
+        content = parsed_toml(f"value = {value}")
+    except (ValueError, RecursionError):
+        return key.strip(), value.strip()
+    return key.strip(), content["value"] if list(content) == ["value"] else value.strip()
+
+
+def _nested(key, value):
+    """{"a": {"b": value}} of the key "a.b"."""
+    for name in reversed(key.split(".")):
+        value = {name: value}
+    return value
