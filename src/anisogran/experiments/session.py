@@ -159,7 +159,9 @@ class Session:
                 raise InputError(f"{path}: is of another scene: {'; '.join(physical)}")
             session.simulation, session.records = simulation, Records.unpacked(stored["records"])
             session._go_to(**stored["place"])
-        except (LookupError, TypeError, AttributeError) as error:
+        except InputError:
+            raise
+        except (LookupError, TypeError, ValueError, AttributeError) as error:  # a forged one: its seal is good
             raise InputError(f"{path}: is no checkpoint of a run ({error!r})") from None
         if unlike and session.begun is not None:  # marks are counted anew; one at this very step is done if there is a row of it
             step, marks = simulation.step - session.begun, session.stages[session.stage].marks
