@@ -1,13 +1,18 @@
 """The experiments: a scene and its protocol (prepare, relax, load), one per file; scene files; and how a scene is run in a folder."""
 
 from anisogran.experiments.biaxial import Biaxial
+from anisogran.experiments.doubts import doubts_of
 from anisogran.experiments.experiment import Experiment
 from anisogran.experiments.kinds import KINDS
 from anisogran.experiments.ring_shear import RingShear
 from anisogran.experiments.run import Run
 from anisogran.experiments.run_folder import run_in_folder
 from anisogran.experiments.scene_file import changed, read_scene
-from anisogran.experiments.scene_writing import scene_text
+from anisogran.experiments.scene_writing import scene_template, scene_text
+from anisogran.experiments.schemas import scene_schema
 from anisogran.experiments.simple_shear import SimpleShear
 
-__all__ = ["KINDS", "Biaxial", "Experiment", "RingShear", "Run", "SimpleShear", "changed", "read_scene", "run_in_folder", "scene_text"]
+__all__ = [
+    "KINDS", "Biaxial", "Experiment", "RingShear", "Run", "SimpleShear", "changed", "doubts_of", "read_scene", "run_in_folder",
+    "scene_schema", "scene_template", "scene_text",
+]  # fmt: skip

@@ -2,6 +2,12 @@
 
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.ring_shear import RingShear
+from anisogran.experiments.scene_keys import chosen
 from anisogran.experiments.simple_shear import SimpleShear
 
 KINDS = {experiment.kind: experiment for experiment in (Biaxial, RingShear, SimpleShear)}
+
+
+def experiment_of(kind, where="kind"):
+    """The class of experiments of that kind. Raises InputError with the nearest one."""
+    return chosen(KINDS.values(), kind, where)

@@ -9,8 +9,7 @@ law = "luding"          # k1, k2, ...
 grains = 150
 """
 
-from anisogran.experiments.kinds import KINDS
-from anisogran.experiments.scene_keys import chosen
+from anisogran.experiments.kinds import KINDS, experiment_of
 from anisogran.experiments.scene_tables import Place, merged, scene_of, tables_of
 from anisogran.files.toml_file import parsed_toml, read_toml
 from anisogran.outcome import InputError, shown
@@ -51,11 +50,6 @@ def changed(scene, changes):
     for key, value in changes.items():
         tables = merged(experiment, tables, _nested(key, value), Place(experiment.__name__), defaults)
     return scene_of(experiment, tables, experiment.__name__)
-
-
-def experiment_of(kind, where="kind"):
-    """The class of experiments of that kind. Raises InputError with the nearest one."""
-    return chosen(KINDS.values(), kind, where)
 
 
 def parsed_override(text):

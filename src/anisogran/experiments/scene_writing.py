@@ -1,9 +1,11 @@
 """Scenes as TOML: the text of a scene, and the commented file that a new one starts from."""
 
+from anisogran.experiments.kinds import experiment_of
 from anisogran.experiments.scene_keys import keys_of, name_of
 from anisogran.experiments.scene_tables import NONE
+from anisogran.keys import REQUIRED
 
-COLUMN = 32  # where comments begin
+COLUMN = 28  # where comments begin
 
 
 def scene_text(scene):
@@ -15,6 +17,57 @@ def scene_text(scene):
             law = [f'law = "{name_of(type(record))}"'] * (len(one.records) > 1)
             tables += ["", f"[{name}]", *law, *_values(record)]
     return "\n".join([f'kind = "{scene.kind}"', *_values(scene), *tables]) + "\n"
+
+
+def scene_template(kind, quick=True):
+    """The commented file of the default scene of a kind: every key with unit, range and meaning; `quick`: with a table of small sizes.
+
+    Raises InputError for an unknown kind.
+    """
+    experiment = experiment_of(kind)
+    scene, keys = experiment(), keys_of(experiment)
+    lines = [
+        f"# {experiment.__doc__.splitlines()[0]}",
+        '# A number may bring its unit, as "1 N/m", the one in brackets. A key or table that is left out is as it stands here.',
+        f'kind = "{kind}"',
+        *_explained(keys, vars(scene)),
+    ]
+    for name, one in keys.items():
+        if one.records:
+            lines += ["", *_explained_table(name, one, getattr(scene, name))]
+    if quick:
+        lines += ["", _commented("[quick]", "what replaces the above in a quick run; [quick.contact] may, too")]
+        lines += [_line(name, keys[name], value) for name, value in experiment.quick.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _explained(keys, values):
+    """The lines of the keys that are numbers, with unit, range and meaning; without a value a key is a comment with an example."""
+    lines = []
+    for name, one in keys.items():
+        if not one.records:
+            value = values.get(name)
+            off = value is None
+            about = "; ".join(part for part in (one.suffix, one.range) if part)
+            said = f"{'# ' * off}{name} = {_number(one, one.example if off else value)}"
+            lines.append(_commented(said, one.meaning + f" [{about}]" * bool(about)))
+    return lines
+
+
+def _explained_table(name, one, record):
+    """The lines of a table, then what it holds with each other law, as comments; all are comments if the scene lacks the table."""
+    present = one.records[0] if record is None else type(record)
+    off = f'; to switch it off, {name} = "{NONE}" above all tables' if one.optional and record is not None else ""
+    lines = [_commented(f"[{name}]", one.meaning + off)]
+    for law in (present, *(other for other in one.records if other is not present)):
+        keys = keys_of(law)
+        values = {key: part.example if part.default is REQUIRED else part.default for key, part in keys.items()}
+        if record is not None and law is present:
+            values = vars(record)
+        named = [f'law = "{name_of(law)}"'] if len(one.records) > 1 else []
+        block = named + _explained(keys, values)
+        lines += block if law is present else ["# or", *(f"# {line}" for line in block)]
+    return [f"# {line}" for line in lines] if record is None else lines
 
 
 def _values(record):
@@ -29,13 +82,16 @@ def _values(record):
     return lines
 
 
-def _line(name, one, value, comment=""):
-    """`name = value  # unit; comment`."""
-    said = f"{name} = {_number(one, value)}"
-    comment = "; ".join(part for part in (one.suffix, comment) if part)
-    return f"{said:{COLUMN}}# {comment}" if comment else said
+def _line(name, one, value):
+    """`name = value  # unit`."""
+    return _commented(f"{name} = {_number(one, value)}", one.suffix)
 
 
 def _number(one, value):
     """A number as TOML has it."""
     return repr(int(value) if one.whole else float(value))
+
+
+def _commented(line, comment):
+    """The line with a comment, if there is one, in its column."""
+    return f"{line:{COLUMN}}# {comment}" if comment else line

@@ -51,7 +51,7 @@ class Luding:
     kc: float = key("N/m", "slope of the adhesive limit; 0: no cohesion", 0.0, at_least=0)
     damping: float = key("kg/s", "normal force per speed of approach", 0.0, at_least=0)
     plastic_depth: float | None = key(
-        "1", "overlap at zero force, over the mean radius, where the unloading stiffness, growing from k1, has reached k2", None,
+        "1", "overlap at zero force over the mean radius at which unloading, as stiff as k1 at first, has become as stiff as k2", None,
         above=0, example=0.05,
     )  # fmt: skip
     remembers: ClassVar[bool] = True  # the law needs the largest overlap of each contact

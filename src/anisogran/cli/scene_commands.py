@@ -1,0 +1,27 @@
+"""`anisogran new` and `anisogran schema`: what a scene file may say."""
+
+from typing import Annotated
+
+import typer
+
+from anisogran.cli.application import app
+
+Kind = Annotated[str, typer.Argument(help="Of the experiment, such as biaxial; a wrong one is answered with the list.", show_default=False)]
+
+
+@app.command()
+def new(kind: Kind):
+    """Prints a commented scene file, every key with unit, range and meaning: anisogran new biaxial > scene.toml."""
+    from anisogran.experiments import scene_template
+
+    print(scene_template(kind), end="")
+
+
+@app.command()
+def schema(kind: Kind):
+    """Prints the JSON schema of scene files, for editors that complete and check them."""
+    import json
+
+    from anisogran.experiments import scene_schema
+
+    print(json.dumps(scene_schema(kind), indent=2))

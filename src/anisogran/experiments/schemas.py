@@ -1,0 +1,56 @@
+"""The JSON schema of scene files, for editors that complete and check TOML, and for other programs that write scenes."""
+
+import re
+
+from anisogran.experiments.kinds import experiment_of
+from anisogran.experiments.scene_keys import keys_of, name_of
+from anisogran.experiments.scene_tables import NONE, NUMBER
+from anisogran.keys import REQUIRED
+
+LIMITS = {"above": "exclusiveMinimum", "at_least": "minimum", "below": "exclusiveMaximum", "at_most": "maximum"}
+OFF = {"const": NONE}
+
+
+def scene_schema(kind):
+    """The JSON schema (draft 2020-12) of the scene files of a kind, a dict; "unit" stands beside each description.
+
+    It knows what concerns one key; what concerns several, as k2 >= k1, only `read_scene` does. Raises InputError for an unknown kind.
+    """
+    experiment = experiment_of(kind)
+    quick = table_schema(experiment, whole=False) | {"description": "what replaces the keys above in a quick run"}
+    schema = table_schema(experiment, whole=True)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": kind,
+        "description": experiment.__doc__.splitlines()[0],
+        **schema,
+        "properties": {"kind": {"const": kind}, **schema["properties"], "quick": quick},
+        "required": ["kind", *schema["required"]],
+    }
+
+
+def table_schema(record, whole, law=None):
+    """The schema of a table; `whole`: with what it must have; `law`: the name that it says, where there is a choice."""
+    keys = keys_of(record)
+    properties = {name: key_schema(one, whole) for name, one in keys.items()}
+    required = [name for name, one in keys.items() if one.default is REQUIRED]
+    if law is not None:
+        properties, required = {"law": {"const": law}, **properties}, ["law", *required]
+    return {"type": "object", "properties": properties, "required": required if whole else [], "additionalProperties": False}
+
+
+def key_schema(one, whole):
+    """The schema of one key: a number, the same with its unit as text, a table, or "none"."""
+    if one.records:
+        choice = len(one.records) > 1
+        forms = [table_schema(record, whole, name_of(record) if choice else None) for record in one.records]
+        about = {"description": one.meaning}
+    else:
+        limits = {LIMITS[name]: bound for name, bound in one.bounds.items() if bound is not None}
+        forms = [{"type": "integer" if one.whole else "number", **limits}]
+        if one.suffix:
+            forms.append({"type": "string", "pattern": rf"^\s*{NUMBER}\s*{re.escape(one.unit)}\s*$"})
+        about = {"description": one.meaning, "unit": one.unit}
+        if one.default not in (REQUIRED, None):
+            about["default"] = one.default
+    return about | {"anyOf": forms + [OFF] * one.optional}
