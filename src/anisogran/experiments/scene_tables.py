@@ -11,7 +11,7 @@ from anisogran.keys import check_value, unknown_key
 from anisogran.outcome import InputError, shown
 
 NONE = "none"  # what a file says for None
-NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"  # also in the JSON schema
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"  # also in the JSON schema
 
 
 class Place(NamedTuple):
