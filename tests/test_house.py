@@ -14,7 +14,7 @@ SOURCE = Path(anisogran.__file__).parent
 # Rooms from the bottom up; rooms of one layer do not know each other.
 LAYERS = [
     {"outcome", "glossary", "tensors", "compiled"},
-    {"snapshot", "keys"},
+    {"snapshot", "keys", "whole_file"},
     {"dem", "averaging", "models"},
     {"fitting", "continuum", "files"},
     {"experiments"},

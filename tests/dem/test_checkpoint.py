@@ -20,7 +20,8 @@ import pytest
 from crowds import FRICTION, LAW, crowd
 from test_simulation import BOUNDARIES
 
-from anisogran.dem import Box, Grains, Linear, Simulation, checkpoint, sealed
+from anisogran import whole_file
+from anisogran.dem import Box, Grains, Linear, Simulation, checkpoint
 from anisogran.dem.checkpoint import inventory
 from anisogran.dem.interrupts import interrupts_deferred
 from anisogran.dem.sealed import previous_of, write_sealed
@@ -248,7 +249,7 @@ def test_a_full_disk_leaves_the_old_checkpoint(rng, tmp_path, monkeypatch):
     sim = scene(rng)
     sim.save(path)
     before = path.read_bytes()
-    monkeypatch.setattr(sealed, "open", lambda path, mode: open("/dev/full", "wb"), raising=False)  # noqa: SIM115
+    monkeypatch.setattr(whole_file, "open", lambda path, mode: open("/dev/full", "wb"), raising=False)  # noqa: SIM115
     with pytest.raises(RunFailed, match=re.escape(f"{path}: cannot be written ({os.strerror(errno.ENOSPC)})")):
         sim.save(path)
     monkeypatch.undo()
@@ -262,14 +263,14 @@ def test_a_place_where_no_file_can_be_is_named_before_the_first_step(rng, tmp_pa
     for path, reason in [
         (tmp_path / "nowhere" / "a.npz", "its folder does not exist"),
         (tmp_path / "file" / "a.npz", "its folder does not exist"),
-        (tmp_path, "it is no regular file"),
+        (tmp_path, "it is a folder"),
         ("/dev/null", "it is no regular file"),
     ]:
         for act in (sim.save, lambda path: sim.run(10, checkpoint=path)):
             with pytest.raises(InputError, match=re.escape(f"{path}: cannot be written ({reason})")):
                 act(path)
     for arguments, message in [
-        ({"checkpoint": 3}, "checkpoint 3 is no path"),
+        ({"checkpoint": 3}, "3 is no path"),
         ({"every": -1.0}, "every = -1 must be at least 0 s"),
         ({"on_checkpoint_error": "ignore"}, "on_checkpoint_error = 'ignore' must be 'raise' or 'continue'"),
     ]:
@@ -414,7 +415,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
         ("empty", "is empty"),
         ("text", "is damaged"),
         ("missing", "cannot be read"),
-        (".", "is no regular file"),
+        (".", "is a folder"),
     ]:
         with pytest.raises(InputError, match=message) as caught:
             Simulation.load(tmp_path / name)

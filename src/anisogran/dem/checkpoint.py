@@ -20,8 +20,9 @@ from numpy.lib.array_utils import byte_bounds
 
 from anisogran import __version__
 from anisogran.dem.records import differences, packed, unpacked
-from anisogran.dem.sealed import check_target, previous_of, read_sealed, write_sealed
+from anisogran.dem.sealed import previous_of, read_sealed, write_sealed
 from anisogran.outcome import InputError, Interrupted, RunFailed, checked
+from anisogran.whole_file import check_target
 
 FORMAT = 2
 VERSIONS = {"anisogran": __version__, "numba": numba.__version__, "numpy": np.__version__}

@@ -1,29 +1,47 @@
-"""Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units."""
+"""Results as one HDF5 file that `xarray.open_datatree(path, engine="h5netcdf")` opens: labelled data with units.
 
-import os
+After the HDF5 data the file carries a seal, which other programs do not see: a line of text that ends in the SHA-256 of the whole file
+with "0" in the place of its digits. It is written whole or not at all, so that it can be read at any time while a run goes on.
+"""
+
 from dataclasses import MISSING, fields
-from pathlib import Path
 
 import xarray as xr
 
-import anisogran
-from anisogran.files.numbers import check_writable
+from anisogran.files.hdf5_reading import read_tree
+from anisogran.files.hdf5_writing import tree_bytes
+from anisogran.files.provenance import software
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError
 from anisogran.snapshot import Snapshot, frames
+from anisogran.whole_file import DIGITS, check_target, read_whole, seal, write_whole
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+MARK = b"\nresults of anisogran, SHA-256 "
+ANYWAY = "xarray.open_datatree(path, engine='h5netcdf') may read it all the same"
 
 
 def save_results(path, datasets, attributes):
-    """Writes a mapping of "group/name" to Dataset, with attributes at the root; an older file is replaced only when all is written."""
-    check_writable(path)
-    root = xr.Dataset(attrs={"anisogran": anisogran.__version__, "conventions": CONVENTIONS, **attributes})
-    tree = xr.DataTree.from_dict({"/": root, **{f"/{name}": dataset for name, dataset in datasets.items()}})
-    temporary = Path(f"{path}.tmp")
-    try:
-        tree.to_netcdf(temporary, engine="h5netcdf")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    """Writes a mapping of "group/name" to Dataset, with attributes at the root; an older file is replaced only when all is written.
+
+    Raises InputError if no file can be made at that path, RunFailed if the machine does not take it, TypeError for values that such a
+    file does not hold; in each case an older file is untouched.
+    """
+    check_target(path)
+    write_whole(path, results_bytes(datasets, attributes))
+
+
+def results_bytes(datasets, attributes):
+    """The sealed bytes of a results file; see `save_results`."""
+    root = {**software(), "conventions": CONVENTIONS, **attributes}
+    return sealed(tree_bytes(datasets, root, room=len(MARK) + DIGITS).getbuffer())
+
+
+def sealed(content):
+    """The writable bytes of a file, with mark and seal upon the last of them."""
+    content[-len(MARK) - DIGITS : -DIGITS] = MARK
+    content[-DIGITS:] = seal(content)
+    return content
 
 
 def snapshot_dataset(snapshot):
@@ -67,17 +85,35 @@ class Results(xr.DataTree):
 def open(path):
     """A results file as a Results, an xarray.DataTree, read into memory.
 
-    Raises InputError naming the file if it cannot be read, or was not written by anisogran.
+    Raises InputError, one line naming file and reason, if it is no results file, or is not as it was written. No other file is touched,
+    whatever it holds. Files without a good seal never reach the HDF5 library; this library has had faults that a file forged with a good
+    seal could use, so open results of people whom you do not trust in a sandbox only.
     """
+    content = read_whole(path)
+    if content[-len(MARK) - DIGITS : -DIGITS] != MARK:
+        raise InputError(f"{path}: {_without_seal(content)}")
+    if content[-DIGITS:] != seal(content):
+        raise InputError(f"{path}: was damaged or changed by hand, it does not have the SHA-256 that it carries; {ANYWAY}")
     try:
-        with xr.open_datatree(path, engine="h5netcdf", phony_dims="access") as tree:
-            tree = tree.load()
-    except (OSError, ValueError, KeyError, TypeError, RuntimeError, AttributeError) as error:  # what h5py makes of damaged files
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(f"{path}: not a readable results file ({reason})") from None
-    if "anisogran" not in tree.attrs:
-        raise InputError(f"{path}: not written by anisogran")
-    return Results.from_dict(tree.to_dict())
+        datasets = read_tree(content)
+        return Results.from_dict(datasets)
+    except (OSError, ValueError, LookupError, TypeError, RuntimeError, ArithmeticError, AttributeError, MemoryError) as error:
+        raise InputError(f"{path}: is no results file, though it has the seal of one: {' '.join(str(error).split())}") from None
+
+
+def _without_seal(content):
+    """What a file without a seal is, in words."""
+    if content.startswith(HDF5):
+        return f"has no seal of anisogran; it was cut or changed after it was written, or another program wrote it; {ANYWAY}"
+    if content.startswith(b"PK"):
+        return "is a zip archive, such as a checkpoint (Simulation.load reads it), and no results file"
+    if content.startswith(b"CDF"):
+        return "is a netCDF-3 file, which xarray.open_dataset reads, and no results file of anisogran"
+    try:
+        content[:4096].decode()
+    except UnicodeDecodeError:
+        return "is no HDF5 file, and so no results file"
+    return "is a text, and no results file"
 
 
 def read_snapshot(dataset):

@@ -1,0 +1,151 @@
+"""Labelled data as the bytes of an HDF5 file that netCDF-4 programs read, xarray among them.
+
+Written with h5py's low-level calls: xarray and h5netcdf take twenty times as long for the many small arrays of snapshots. Everything that
+is written is as plain as it can be, so that the reader can refuse whatever is not: no filters, no chunks, text as UTF-8, hard links only.
+"""
+
+import io
+from itertools import count
+
+import h5py
+import numpy as np
+from h5py import h5a, h5d, h5ds, h5g, h5p, h5s, h5t
+
+NUMBERS = frozenset(f"{kind}{size}" for kind in "iu" for size in (1, 2, 4, 8)) | {"f4", "f8"}
+TEXT = h5t.py_create(h5py.string_dtype(), logical=True)  # UTF-8 of any length
+STR = h5t.py_create(h5py.string_dtype())  # the same in memory, as Python objects
+SCALAR = h5s.create(h5s.SCALAR)
+ONLY_A_DIMENSION = "This is a netCDF dimension but not a netCDF variable."  # the words of the netCDF-4 format
+RESERVED = ("_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates", "CLASS", "NAME")  # have a meaning there
+
+_DATASET = h5p.create(h5p.DATASET_CREATE)
+_DATASET.set_obj_track_times(False)  # the same data make the same bytes
+_GROUP = h5p.create(h5p.GROUP_CREATE)
+_GROUP.set_link_creation_order(h5p.CRT_ORDER_TRACKED | h5p.CRT_ORDER_INDEXED)  # variables come back in their order
+
+
+def tree_bytes(datasets, attributes, room=0):
+    """A BytesIO with the file of the Datasets by "group/name" and of the attributes (a dict) at its root, and `room` bytes more.
+
+    Raises TypeError, naming group and variable, for what the format does not hold: objects, dates, complex numbers.
+    """
+    stream = io.BytesIO()
+    with h5py.File(stream, "w", track_order=True, libver=("v108", "v110")) as file:
+        dimensions = count()
+        _write_attributes(file.id, attributes, "/")
+        for name, dataset in datasets.items():
+            if {"", ".", ".."} & set(name.split("/")):
+                raise TypeError(f"group {name!r} has no plain name")
+            if any(name.startswith(f"{other}/") for other in datasets):
+                raise TypeError(f"group {name!r} lies in another dataset")
+            try:
+                _write_dataset(_group(file.id, name), dataset, dimensions)
+            except TypeError as error:
+                raise TypeError(f"group {name!r}: {error}") from None
+    stream.seek(0, io.SEEK_END)
+    stream.write(bytes(room))
+    return stream
+
+
+def _group(group, name):
+    """The group of that name, made with all those it lies in."""
+    for part in name.encode().split(b"/"):
+        group = h5g.open(group, part) if group.links.exists(part) else h5g.create(group, part, gcpl=_GROUP)
+    return group
+
+
+def _write_dataset(group, dataset, dimensions):
+    """The variables of a Dataset into a group; `dimensions` counts those of the whole file."""
+    labels = [name for name in dataset.coords if name not in dataset.dims]
+    for name in labels:
+        if len(str(name).split()) != 1:
+            raise TypeError(f"{name!r} is a coordinate with a space in its name")
+    named = {"coordinates": " ".join(labels)} if labels else {}
+    _write_attributes(group, dataset.attrs, "attributes", named)
+    made, scales, numbers = {}, {}, {}
+    for name, size in dataset.sizes.items():
+        if name in dataset.variables:
+            scale, label = _write_variable(group, name, dataset.variables[name]), name
+            made[name] = scale
+        else:
+            scale = h5d.create(group, _name(name), h5t.IEEE_F32BE, h5s.create_simple((size,)), _DATASET)
+            label = f"{ONLY_A_DIMENSION}{size:10d}"
+        h5ds.set_scale(scale, label.encode())
+        scales[name], numbers[name] = scale, next(dimensions)
+        _write_attribute(scale, "_Netcdf4Dimid", np.int32(numbers[name]))
+    for name, variable in dataset.variables.items():
+        if name in scales:
+            continue
+        made[name] = _write_variable(group, name, variable)
+        if variable.dims:
+            _write_attribute(made[name], "_Netcdf4Coordinates", np.array([numbers[dim] for dim in variable.dims], np.int32))
+        for axis, dim in enumerate(variable.dims):
+            h5ds.attach_scale(made[name], scales[dim], axis)
+
+
+def _write_variable(group, name, variable):
+    """The values and attributes of a variable; the HDF5 dataset."""
+    values, told = variable.values, {}
+    if values.dtype == bool:
+        values, told = values.astype("i1"), {"dtype": "bool"}  # as xarray does it
+    if values.dtype.kind in "UOT":
+        values, kind, held = _texts(values, f"variable {name!r}"), TEXT, STR
+    elif values.dtype.str[1:] in NUMBERS:
+        kind = h5t.py_create(values.dtype.newbyteorder("="))
+        held = h5t.py_create(values.dtype)
+    else:
+        raise TypeError(f"variable {name!r} has dtype {values.dtype}, which is neither numbers nor text nor bool")
+    space = h5s.create_simple(values.shape) if values.shape else SCALAR
+    made = h5d.create(group, _name(name), kind, space, _DATASET)
+    if values.size:
+        made.write(h5s.ALL, h5s.ALL, np.ascontiguousarray(values).reshape(values.shape), held)
+    _write_attributes(made, variable.attrs, f"variable {name!r}", told)
+    return made
+
+
+def _write_attributes(place, attributes, where, told=()):
+    """The attributes of a group or variable, and those that tell the reader something."""
+    for name, value in attributes.items():
+        if name in RESERVED or name.startswith(("_Netcdf4", "DIMENSION_", "REFERENCE_")):
+            raise TypeError(f"{where}: attribute {name!r} has another meaning in a netCDF-4 file")
+        try:
+            _write_attribute(place, name, value)
+        except (TypeError, ValueError) as error:
+            raise TypeError(f"{where}: attribute {name!r} = {value!r} is neither numbers nor text ({error})") from None
+    for name, value in dict(told).items():
+        _write_attribute(place, name, value)
+
+
+def _write_attribute(place, name, value):
+    """One attribute: a text, a number, or a list of such."""
+    values = np.asarray(value)
+    if values.ndim > 1:
+        raise TypeError("more than one axis")
+    space = SCALAR if isinstance(value, str) else h5s.create_simple((values.size,))
+    if values.dtype.kind in "UO":
+        values, kind, held = _texts(np.asarray(value, dtype=object), "text"), TEXT, STR
+    elif values.dtype.str[1:] in NUMBERS:
+        kind = held = h5t.py_create(values.dtype)
+    else:
+        raise TypeError(f"dtype {values.dtype}")
+    h5a.create(place, _name(name), kind, space).write(np.ascontiguousarray(values), mtype=held)
+
+
+def _texts(values, where):
+    """An array of str as objects."""
+    texts = np.asarray(values, dtype=object)
+    for text in texts.flat:
+        if not isinstance(text, str) or "\0" in text:
+            raise TypeError(f"{where}: {text!r} is no text that can be kept")
+        try:
+            text.encode()
+        except UnicodeEncodeError as error:
+            raise TypeError(f"{where}: {text!r} is no text that can be kept ({error})") from None
+    return texts
+
+
+def _name(name):
+    """The name of a variable, dimension or attribute as HDF5 takes it."""
+    if not isinstance(name, str) or not name or "/" in name or "\0" in name or name == ".":
+        raise TypeError(f"{name!r} is no name of a variable")
+    return name.encode()
