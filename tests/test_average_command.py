@@ -72,7 +72,7 @@ def test_what_does_not_fit_is_one_line(sheared, tmp_path, capsys):
     (tmp_path / "bad.txt").write_text("1.0 x\n")
     (tmp_path / "grains.data").write_text("")
     for arguments, message in [
-        ([tmp_path / "none.h5"], "none.h5: not a readable results file"),
+        ([tmp_path / "none.h5"], "none.h5: cannot be read (No such file"),
         ([sheared, "--on", "sphere"], "on = 'sphere' must be one of"),
         ([sheared, "--fields", "strss"], "unknown field 'strss'; did you mean stress?"),
         ([sheared, "--on", "rings"], "no axis to lay rings about"),

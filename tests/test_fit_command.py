@@ -273,7 +273,7 @@ def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
     for arguments, message in [
         (["relaxatoin", good], "fit relaxatoin: must be one of relaxation, mohr_coulomb"),
         (["relaxation", tmp_path / "none.txt"], "none.txt: cannot be read as text (No such file or directory)"),
-        (["relaxation", tmp_path / "none.h5"], "none.h5: not a readable results file"),
+        (["relaxation", tmp_path / "none.h5"], "none.h5: cannot be read (No such file"),
         (["relaxation", tmp_path], "cannot be read as text (Is a directory)"),
         (["relaxation", tmp_path / "binary.txt"], "binary.txt: cannot be read as text (not UTF-8)"),
         (["relaxation", tmp_path / "word.txt"], "word.txt: line 3: s_D = 'x' is not a number"),

@@ -5,17 +5,17 @@ The files written here do none of this, so a file that does was forged: it is re
 """
 
 import io
+from math import prod
 
 import h5py
 import numpy as np
 import xarray as xr
 from h5py import h5a, h5d, h5g, h5l, h5o, h5s, h5t
 
-from anisogran.files.hdf5_writing import NUMBERS, ONLY_A_DIMENSION, STR
+from anisogran.files.hdf5_writing import NUMBERS, ONLY_A_DIMENSION
 
 DEEPEST = 8  # groups within groups
 MOST_OBJECTS = 100_000
-MOST_TEXTS = 1000  # in the list of one attribute
 OF_THE_FORMAT = ("CLASS", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid", "_Netcdf4Coordinates", "NAME")  # attributes of no meaning
 
 
@@ -31,7 +31,7 @@ def read_tree(content):
     """
     with h5py.File(io.BytesIO(content), "r") as file:
         reader = _Reader(len(content))
-        reader.read_group(h5g.open(file.id, b"/"), "", 0)
+        reader.read_group(reader.opened(file.id, "/", "/"), "", 0)
         return reader.datasets
 
 
@@ -48,7 +48,7 @@ class _Reader:
         """A group and all within."""
         if depth > DEEPEST:
             raise NotPlain(f"{path} lies deeper than {DEEPEST} groups")
-        variables, sizes, numbers, waiting = {}, {}, {}, []
+        found, sizes, dims = {}, {}, {}
         for name in self.names(group, path):
             where = f"{path}/{name}"
             opened = self.opened(group, name, where)
@@ -56,22 +56,13 @@ class _Reader:
                 self.datasets[where] = None  # keeps the order
                 self.read_group(opened, where, depth + 1)
                 continue
-            self.check_dataset(opened, where)
-            attributes = self.attributes(opened, where)
+            kind, attributes = self.kind_of(opened, where), self.attributes(opened, where)
             number, axes, label = (attributes.pop(key, None) for key in ("_Netcdf4Dimid", "_Netcdf4Coordinates", "NAME"))
-            if number is None:
-                waiting.append((name, opened, where, attributes, np.atleast_1d([] if axes is None else axes)))
-                continue
-            if len(opened.shape) != 1:
-                raise NotPlain(f"{where} is the scale of more than one dimension")
-            sizes[name], numbers[int(number)] = opened.shape[0], name
+            if number is not None:
+                dims[int(number)], sizes[name] = name, opened.shape[0] if opened.shape else 1
             if not str(label).startswith(ONLY_A_DIMENSION):
-                variables[name] = self.variable(opened, where, (name,), attributes)
-        for name, opened, where, attributes, axes in waiting:
-            dims = tuple(numbers[int(axis)] for axis in axes)
-            if tuple(sizes[dim] for dim in dims) != opened.shape:
-                raise NotPlain(f"{where} does not have the shape of its dimensions")
-            variables[name] = self.variable(opened, where, dims, attributes)
+                found[name] = opened, kind, attributes, ([] if number is None else [number]) if axes is None else axes
+        variables = {name: self.variable(*parts, dims, sizes, f"{path}/{name}") for name, parts in found.items()}
         attributes = self.attributes(group, path or "/")
         labels = str(attributes.pop("coordinates", "")).split()
         self.datasets[path or "/"] = xr.Dataset(variables, attrs=attributes).set_coords(labels)
@@ -97,8 +88,8 @@ class _Reader:
         self.seen.add(address)
         return opened
 
-    def check_dataset(self, opened, where):
-        """Raises NotPlain for a dataset whose bytes are not simply in this file."""
+    def kind_of(self, opened, where):
+        """The dtype of a dataset, None of text. Raises NotPlain where the bytes are of another kind, or are not simply in this file."""
         made = opened.get_create_plist()
         if made.get_layout() == h5d.VIRTUAL:
             raise NotPlain(f"{where} is a virtual dataset, whose values lie in other files")
@@ -106,40 +97,28 @@ class _Reader:
             raise NotPlain(f"{where} has its values in another file, {made.get_external(0)[0]!r}")
         if made.get_layout() != h5d.CONTIGUOUS or made.get_nfilters():
             raise NotPlain(f"{where} is stored in chunks or through filters")
+        return self.kind(opened.get_type(), where)
 
-    def variable(self, opened, where, dims, attributes):
-        """The variable of a dataset; the bytes that it has in the file are those that it will take."""
-        kind = self.kind(opened.get_type(), where)
-        count = int(np.prod(opened.shape, dtype=object))
-        itemsize = 16 if kind is None else kind.itemsize
-        if count and count * itemsize != opened.get_storage_size():
+    def variable(self, opened, kind, attributes, axes, dims, sizes, where):
+        """A variable: of `dims` and `sizes` those whose numbers are in `axes`."""
+        size = prod(opened.shape) * kind.itemsize
+        if size and size != opened.get_storage_size():
             raise NotPlain(f"{where} of shape {opened.shape} has {opened.get_storage_size()} bytes in the file")
-        self.use(count * itemsize, where)
-        if kind is not None:
-            values = np.empty(opened.shape, kind)
-            if count:
-                opened.read(h5s.ALL, h5s.ALL, values)
-        else:
-            values = self.texts(opened, where)
-        if attributes.get("dtype") == "bool":
+        self.use(size, where)
+        text = attributes.pop("_Encoding", None) == "utf-8" and bool(opened.shape)
+        if text != (kind.kind == "S") or (text and kind.itemsize > 1):
+            raise NotPlain(f"{where} is of characters that make no text")
+        names = tuple(dims.get(int(axis)) for axis in np.atleast_1d(axes))
+        if tuple(sizes.get(name) for name in names) != opened.shape:
+            raise NotPlain(f"{where} does not have the shape of its dimensions")
+        values = np.empty(opened.shape, kind)
+        if size:
+            opened.read(h5s.ALL, h5s.ALL, values)
+        if text:
+            names, values = names[:-1], np.char.decode(values.view(f"S{values.shape[-1]}")[..., 0], "utf-8")
+        if attributes.pop("dtype", None) == "bool":
             values = values.astype(bool)
-            del attributes["dtype"]
-        return xr.Variable(dims, values, attributes)
-
-    def texts(self, opened, where):
-        """An array of texts, one by one: many of them could be the same large one."""
-        values, space, one = np.empty(opened.shape, object), opened.get_space(), np.empty((1,), object)
-        for place in np.ndindex(values.shape):
-            if place:
-                space.select_hyperslab(place, (1,) * len(place))
-            opened.read(h5s.create_simple((1,)), space, one, STR)
-            values[place] = self.text(one[0], where)
-        return values
-
-    def text(self, raw, where):
-        """As str, and counted."""
-        self.use(len(raw), where)
-        return raw.decode() if isinstance(raw, bytes) else str(raw)
+        return xr.Variable(names, values, attributes)
 
     def attributes(self, opened, where):
         """The attributes of a group or dataset; as scalars where there is one value, for the format knows no others."""
@@ -155,35 +134,26 @@ class _Reader:
         """The value of one attribute."""
         kind = attribute.get_type()
         shape = attribute.shape
-        count = int(np.prod(shape, dtype=object))
+        count = prod(shape)
         if len(shape) > 1:
             raise NotPlain(f"{where} has more than one axis")
-        if isinstance(kind, h5t.TypeStringID) and not kind.is_variable_str():
-            self.use(count * kind.get_size(), where)
-            raw = np.empty(shape, f"S{kind.get_size()}")
-            attribute.read(raw, mtype=kind)
-            return raw.reshape(-1)[0].decode()
         number = self.kind(kind, where)
-        if number is None:
-            if count > MOST_TEXTS:
-                raise NotPlain(f"{where} is a list of {count} texts, more than {MOST_TEXTS}")
-            raw = np.empty(shape, object)
-            attribute.read(raw, mtype=STR)
-            texts = [self.text(part, where) for part in raw.flat]
-            return texts if shape and count != 1 else texts[0]
         self.use(count * number.itemsize, where)
         values = np.empty(shape, number)
         if count:
-            attribute.read(values)
-        return values.reshape(-1)[0] if count == 1 else values
+            attribute.read(values, mtype=kind if number.kind == "S" else None)
+        if number.kind == "S":
+            texts = [text.decode() for text in values.flat]
+            return texts[0] if count == 1 else texts
+        return values.flat[0] if count == 1 else values
 
     def kind(self, kind, where):
-        """The dtype of numbers, or None of text."""
-        if isinstance(kind, h5t.TypeStringID) and kind.is_variable_str():
-            return None
+        """The dtype of numbers or text."""
+        if isinstance(kind, h5t.TypeStringID) and not kind.is_variable_str():
+            return np.dtype(f"S{kind.get_size()}")
         if isinstance(kind, h5t.TypeIntegerID | h5t.TypeFloatID) and kind.dtype.str[1:] in NUMBERS:
             return kind.dtype.newbyteorder("=")
-        raise NotPlain(f"{where} is neither of numbers nor of text")
+        raise NotPlain(f"{where} is neither of numbers nor of text of a fixed length")
 
     def use(self, size, where):
         """Counts bytes that are unpacked."""

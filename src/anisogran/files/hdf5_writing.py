@@ -1,7 +1,8 @@
 """Labelled data as the bytes of an HDF5 file that netCDF-4 programs read, xarray among them.
 
 Written with h5py's low-level calls: xarray and h5netcdf take twenty times as long for the many small arrays of snapshots. Everything that
-is written is as plain as it can be, so that the reader can refuse whatever is not: no filters, no chunks, text as UTF-8, hard links only.
+is written is as plain as it can be, so that the reader can refuse whatever is not: no filters, no chunks, hard links only, and text as
+arrays of its bytes in UTF-8 (netCDF's characters), never as pointers to where it lies.
 """
 
 import io
@@ -12,11 +13,20 @@ import numpy as np
 from h5py import h5a, h5d, h5ds, h5g, h5p, h5s, h5t
 
 NUMBERS = frozenset(f"{kind}{size}" for kind in "iu" for size in (1, 2, 4, 8)) | {"f4", "f8"}
-TEXT = h5t.py_create(h5py.string_dtype(), logical=True)  # UTF-8 of any length
-STR = h5t.py_create(h5py.string_dtype())  # the same in memory, as Python objects
+CHARACTER = h5t.py_create(np.dtype("S1"))
 SCALAR = h5s.create(h5s.SCALAR)
 ONLY_A_DIMENSION = "This is a netCDF dimension but not a netCDF variable."  # the words of the netCDF-4 format
-RESERVED = ("_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates", "CLASS", "NAME")  # have a meaning there
+RESERVED = (
+    "_FillValue",
+    "missing_value",
+    "scale_factor",
+    "add_offset",
+    "dtype",
+    "coordinates",
+    "CLASS",
+    "NAME",
+    "_Encoding",
+)  # mean something
 
 _DATASET = h5p.create(h5p.DATASET_CREATE)
 _DATASET.set_obj_track_times(False)  # the same data make the same bytes
@@ -36,8 +46,8 @@ def tree_bytes(datasets, attributes, room=0):
         for name, dataset in datasets.items():
             if {"", ".", ".."} & set(name.split("/")):
                 raise TypeError(f"group {name!r} has no plain name")
-            if any(name.startswith(f"{other}/") for other in datasets):
-                raise TypeError(f"group {name!r} lies in another dataset")
+            if any(name.startswith(f"{other}/") and outer.variables for other, outer in datasets.items()):
+                raise TypeError(f"group {name!r} lies in a group with variables, which xarray would hand down")
             try:
                 _write_dataset(_group(file.id, name), dataset, dimensions)
             except TypeError as error:
@@ -62,45 +72,49 @@ def _write_dataset(group, dataset, dimensions):
             raise TypeError(f"{name!r} is a coordinate with a space in its name")
     named = {"coordinates": " ".join(labels)} if labels else {}
     _write_attributes(group, dataset.attrs, "attributes", named)
-    made, scales, numbers = {}, {}, {}
-    for name, size in dataset.sizes.items():
-        if name in dataset.variables:
-            scale, label = _write_variable(group, name, dataset.variables[name]), name
-            made[name] = scale
+    plain = {name: _plain(variable, f"variable {name!r}") for name, variable in dataset.variables.items()}
+    sizes = {dim: size for dims, values, _ in plain.values() for dim, size in zip(dims, values.shape, strict=True)}
+    scales, numbers = {}, {dim: next(dimensions) for dim in sizes}
+    for dim, size in sizes.items():
+        if dim in plain:
+            scales[dim] = _write_variable(group, dim, plain[dim][1])
+            label = dim
         else:
-            scale = h5d.create(group, _name(name), h5t.IEEE_F32BE, h5s.create_simple((size,)), _DATASET)
+            scales[dim] = h5d.create(group, _name(dim), h5t.IEEE_F32BE, h5s.create_simple((size,)), _DATASET)
             label = f"{ONLY_A_DIMENSION}{size:10d}"
-        h5ds.set_scale(scale, label.encode())
-        scales[name], numbers[name] = scale, next(dimensions)
-        _write_attribute(scale, "_Netcdf4Dimid", np.int32(numbers[name]))
-    for name, variable in dataset.variables.items():
-        if name in scales:
-            continue
-        made[name] = _write_variable(group, name, variable)
-        if variable.dims:
-            _write_attribute(made[name], "_Netcdf4Coordinates", np.array([numbers[dim] for dim in variable.dims], np.int32))
-        for axis, dim in enumerate(variable.dims):
-            h5ds.attach_scale(made[name], scales[dim], axis)
+        h5ds.set_scale(scales[dim], label.encode())
+        _write_attribute(scales[dim], "_Netcdf4Dimid", np.int32(numbers[dim]))
+    for name, (dims, values, told) in plain.items():
+        written = scales.get(name) or _write_variable(group, name, values)
+        _write_attributes(written, dataset.variables[name].attrs, f"variable {name!r}", told)
+        if dims and dims != (name,):
+            _write_attribute(written, "_Netcdf4Coordinates", np.array([numbers[dim] for dim in dims], np.int32))
+        if name not in scales:
+            for axis, dim in enumerate(dims):
+                h5ds.attach_scale(written, scales[dim], axis)
 
 
-def _write_variable(group, name, variable):
-    """The values and attributes of a variable; the HDF5 dataset."""
-    values, told = variable.values, {}
+def _plain(variable, where):
+    """(dims, values, attributes) by which netCDF says what is no number, as xarray does it: bool as bytes, text as characters."""
+    values = variable.values
     if values.dtype == bool:
-        values, told = values.astype("i1"), {"dtype": "bool"}  # as xarray does it
+        return variable.dims, values.astype("i1"), {"dtype": "bool"}
     if values.dtype.kind in "UOT":
-        values, kind, held = _texts(values, f"variable {name!r}"), TEXT, STR
-    elif values.dtype.str[1:] in NUMBERS:
-        kind = h5t.py_create(values.dtype.newbyteorder("="))
-        held = h5t.py_create(values.dtype)
-    else:
-        raise TypeError(f"variable {name!r} has dtype {values.dtype}, which is neither numbers nor text nor bool")
-    space = h5s.create_simple(values.shape) if values.shape else SCALAR
-    made = h5d.create(group, _name(name), kind, space, _DATASET)
+        texts = _encoded(values, where)
+        characters = texts.reshape(*texts.shape, 1).view("S1")
+        return (*variable.dims, f"string{characters.shape[-1]}"), characters, {"_Encoding": "utf-8"}
+    if values.dtype.str[1:] not in NUMBERS:
+        raise TypeError(f"{where} has dtype {values.dtype}, which is neither numbers nor text nor bool")
+    return variable.dims, values, {}
+
+
+def _write_variable(group, name, values):
+    """The HDF5 dataset of plain values."""
+    kind = CHARACTER if values.dtype.kind == "S" else h5t.py_create(values.dtype.newbyteorder("="))
+    written = h5d.create(group, _name(name), kind, h5s.create_simple(values.shape) if values.shape else SCALAR, _DATASET)
     if values.size:
-        made.write(h5s.ALL, h5s.ALL, np.ascontiguousarray(values).reshape(values.shape), held)
-    _write_attributes(made, variable.attrs, f"variable {name!r}", told)
-    return made
+        written.write(h5s.ALL, h5s.ALL, np.asarray(values, order="C"))
+    return written
 
 
 def _write_attributes(place, attributes, where, told=()):
@@ -121,27 +135,27 @@ def _write_attribute(place, name, value):
     values = np.asarray(value)
     if values.ndim > 1:
         raise TypeError("more than one axis")
-    space = SCALAR if isinstance(value, str) else h5s.create_simple((values.size,))
+    space = h5s.create_simple(values.shape) if values.shape else SCALAR
     if values.dtype.kind in "UO":
-        values, kind, held = _texts(np.asarray(value, dtype=object), "text"), TEXT, STR
+        values = _encoded(np.asarray(value, dtype=object), "text")
+        kind = h5t.py_create(h5py.string_dtype("utf-8", values.dtype.itemsize))
     elif values.dtype.str[1:] in NUMBERS:
-        kind = held = h5t.py_create(values.dtype)
+        kind = h5t.py_create(values.dtype)
     else:
         raise TypeError(f"dtype {values.dtype}")
-    h5a.create(place, _name(name), kind, space).write(np.ascontiguousarray(values), mtype=held)
+    h5a.create(place, _name(name), kind, space).write(np.asarray(values, order="C"), mtype=kind)
 
 
-def _texts(values, where):
-    """An array of str as objects."""
-    texts = np.asarray(values, dtype=object)
-    for text in texts.flat:
+def _encoded(values, where):
+    """An array of str as bytes in UTF-8; two at least, for one alone is taken for a character."""
+    for text in values.flat:
         if not isinstance(text, str) or "\0" in text:
             raise TypeError(f"{where}: {text!r} is no text that can be kept")
-        try:
-            text.encode()
-        except UnicodeEncodeError as error:
-            raise TypeError(f"{where}: {text!r} is no text that can be kept ({error})") from None
-    return texts
+    try:
+        texts = [text.encode() for text in values.flat]
+    except UnicodeEncodeError as error:
+        raise TypeError(f"{where} is no text that can be kept: {error}") from None
+    return np.array(texts, f"S{max([2, *map(len, texts)])}").reshape(values.shape)
 
 
 def _name(name):
