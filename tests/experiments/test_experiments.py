@@ -254,7 +254,7 @@ def grown_late(late, overlap=0.0):
 
 def test_biaxial_warnings():
     def judge(side, scene=Biaxial(strain=0.1, duration=1.0), **simulation):  # noqa: B008
-        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), grown_late(**{"late": 0, **simulation})))
+        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), None, grown_late(**{"late": 0, **simulation})))
 
     assert judge(101.9) == "ok"
     assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
@@ -272,7 +272,7 @@ def test_ring_shear_warnings():
         profile = (("block", "r"), np.outer(v_phi, [1.0, 1.0]))
         blocks = xr.Dataset({"v_phi": profile, "inertial_number": (("block", "r"), np.full((len(v_phi), 2), inertial))})
         series = xr.Dataset({"outer_pressure": ("time", np.full(10, pressure))}, coords={"time": np.arange(10.0)})
-        return str(scene.judge(blocks, series, grown_late(late)))
+        return str(scene.judge(series, blocks, grown_late(late)))
 
     assert judge([1.0, 1.1, 1.0, 1.1, 1.0, 1.1]) == "ok"
     assert judge([1.0, 1.1, 1.0, 1.1]) == "warned: only 4 blocks: the error bars are rough"

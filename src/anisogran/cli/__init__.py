@@ -1,10 +1,19 @@
 """The command line. Heavy imports stand inside the commands, so that help is quick."""
 
-from anisogran.cli import average_command, bench_command, cost_command, demo_command, element_command, fit_command, scene_commands
+from anisogran.cli import (
+    average_command,
+    bench_command,
+    cost_command,
+    demo_command,
+    element_command,
+    fit_command,
+    run_command,
+    scene_commands,
+)
 from anisogran.cli.application import app, main
 from anisogran.cli.folders import numbered_folder
 
 __all__ = [
     "app", "average_command", "bench_command", "cost_command", "demo_command", "element_command", "fit_command", "main", "numbered_folder",
-    "scene_commands",
+    "run_command", "scene_commands",
 ]  # fmt: skip

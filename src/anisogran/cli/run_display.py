@@ -7,9 +7,8 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from anisogran.experiments import run_in_folder
+from anisogran.experiments import doubts_of, run_in_folder
 from anisogran.experiments.estimate import SPEED, estimate, free_memory
-from anisogran.experiments.scene_doubts import doubts_of
 
 PLAIN_EVERY = 30.0  # s between two lines where there is no terminal
 FIGURES_EVERY = 0.5  # s between two looks at the grains
@@ -21,18 +20,19 @@ def opening(scene, folder):
     memory = f"{expected.memory / 1e9:.1f} GB of memory" + ("" if free is None else f" ({free / 1e9:.1f} GB free)")
     print(f"{scene.kind}: {scene.grains} grains, seed {scene.seed}, in {folder}")
     print(
-        f"stages: {', '.join(stage.name for stage in scene.stages())}; about {expected.grain_steps:.2g} grain-steps, "
-        f"{duration(expected.seconds)} at {SPEED / 1e6:.0f} million a second; about {memory}"
+        f"stages: {', '.join(stage.name for stage in scene.stages())}; about {expected.grain_steps / 1e6:,.0f} million grain-steps, "
+        f"{duration(expected.seconds)} at {SPEED / 1e6:.0f} million a second on one core; about {memory}"
     )
     for doubt in doubts_of(scene):
         print(f"warning: {doubt}")
 
 
 def duration(seconds):
-    """As h:mm:ss or m:ss."""
-    minutes, seconds = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{seconds:02d} h" if hours else f"{minutes}:{seconds:02d} min"
+    """In seconds, minutes or hours, whichever reads best."""
+    for unit, length in (("h", 3600), ("min", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.1f} {unit}"
+    return f"{max(1, round(seconds))} s"
 
 
 def shown_run(scene, folder, resume):
@@ -93,7 +93,8 @@ def stage_line(session):
 def described(result):
     """What a Run holds, in a few words."""
     parts = [f"{result.series.sizes['time']} rows", f"{len(result.snapshots)} snapshots"]
-    parts += [f"profiles over {result.profiles.sizes['r']} rings"] * (result.profiles is not None)
+    if result.profiles is not None:
+        parts.append(f"profiles over {result.profiles.sizes['r']} rings")
     return ", ".join(parts) + f"; {result.status.level}"
 
 

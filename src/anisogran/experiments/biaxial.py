@@ -137,17 +137,16 @@ class Biaxial(Experiment):
             "kinetic_energy": simulation.kinetic_energy(),
         }
 
-    def results(self, records, simulation):
-        """Series, no fields, and the status."""
-        series = labelled_series(records.rows, self.kind)
-        return series, None, None, self.judge(series, simulation)
+    def fields(self, records, simulation):
+        """The series; there are no profiles and blocks."""
+        return labelled_series(records.rows, self.kind), None, None
 
     def nominal_inertial_number(self):
         """At the fastest moment."""
         mass = float(sphere_mass(self.loose_box()[0], self.density).mean())
         return 2 * self.strain * 0.5 * math.pi / self.duration * math.sqrt(mass / self.pressure)
 
-    def judge(self, series, simulation):
+    def judge(self, series, blocks, simulation):
         """Warnings a reader must see: pressure not held, flow not quasi-static, stale neighbour lists."""
         status = squeezed(simulation)
         held = float(abs(series.sigma_xx_wall / self.pressure - 1).median())

@@ -164,15 +164,15 @@ class RingShear(Experiment):
             records.snapshots[frame_name(sample)] = snapshot
         records.snapshots["end"] = snapshot
 
-    def results(self, records, simulation):
-        """Series; profiles and blocks, once there is a block; status."""
+    def fields(self, records, simulation):
+        """Series; profiles and blocks, once there is a block."""
         series = labelled_series(records.rows, self.kind)
         if records.blocks is None or not records.blocks.means():
-            return series, None, None, squeezed(simulation)
+            return series, None, None
         profiles, blocks = field_profiles(records.blocks, self.place(simulation), PROFILES)
         depth = (profiles.r.values - self.inner_radius) / self.mean_diameter
         profiles = profiles.assign_coords(depth=("r", depth, attributes("depth")))
-        return series, profiles, blocks, self.judge(blocks, series, simulation)
+        return series, profiles, blocks
 
     def nominal_inertial_number(self):
         """Next to the inner ring, if the flow were one mean diameter wide."""
@@ -207,7 +207,7 @@ class RingShear(Experiment):
         """The part of the series after the discarded travel."""
         return series.isel(time=series.time.values > self.discard * self.mean_diameter / self.wall_speed)
 
-    def judge(self, blocks, series, simulation):
+    def judge(self, series, blocks, simulation):
         """Warnings a reader must see: too few blocks, drift, stale neighbour lists."""
         status = squeezed(simulation)
         inertial = float(blocks.inertial_number.max())

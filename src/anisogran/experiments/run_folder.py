@@ -13,13 +13,13 @@ import json
 import signal
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from anisogran.dem.sealed import previous_of
 from anisogran.experiments.lock import is_locked, locked
 from anisogran.experiments.session import Session
-from anisogran.files import write_json
+from anisogran.files import software, write_json
 from anisogran.outcome import InputError, Interrupted, RunFailed
 
 EVERY, SHARE = 10.0, 0.05  # seconds between two saves, and how much of the time they may take
@@ -40,8 +40,8 @@ def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
         there = checkpoint.exists() or previous_of(checkpoint).exists()
         session = Session.load(checkpoint, scene) if resume and there else Session(scene)
         keeper = Keeper(session, folder, every)
-        if session.is_over:
-            return session.result()
+        if session.is_over:  # finished, or killed between its last checkpoint and its results
+            return session.result() if state_of(folder)["state"] == "finished" else keeper.finish()
         if not there or not resume:
             clear(folder)
         keeper.tell("running")
@@ -56,7 +56,8 @@ def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
                     f"interrupted in stage {session.stage_name}, {session.fraction:.0%} done; {folder} holds the run"
                 ) from None
             except RunFailed as error:
-                keeper.tell("failed", str(error))
+                with suppress(RunFailed):  # of a full disk, which is what the error is about
+                    keeper.tell("failed", str(error))
                 if session.simulation is not None and session.simulation.failure is not None:
                     session.save(folder / "checkpoint.npz.failed")
                     raise RunFailed(f"{error}; {folder / 'checkpoint.npz.failed'} holds the state") from None
@@ -68,6 +69,7 @@ class Keeper:
 
     def __init__(self, session, folder, every):
         self.session, self.folder, self.every = session, folder, every
+        software()  # asks git, which takes a while the first time: not when a signal wants the run saved
         self.written, self.cost = time.monotonic(), 0.0
 
     def hear(self, stop, listen):

@@ -1,20 +1,15 @@
 """A scene on its way through its stages: it can be left between any two steps, saved, and taken up again bit for bit."""
 
-import platform
-import sys
 import time
-from importlib.metadata import version
 
 import numpy as np
 
-import anisogran
 from anisogran.dem import Simulation
 from anisogran.experiments.records import Records
 from anisogran.experiments.run import Run
 from anisogran.experiments.scene_writing import scene_text
+from anisogran.files import software
 from anisogran.outcome import InputError, Status
-
-PACKAGES = ("numpy", "numba", "scipy", "lmfit", "scikit-fem", "xarray")
 
 
 class Session:
@@ -111,8 +106,10 @@ class Session:
         """The Run so far; None before anything is recorded. Its status says if it is unfinished."""
         if not self.records.rows:
             return None
-        series, profiles, blocks, status = self.scene.results(self.records, self.simulation)
-        if not self.is_over:
+        series, profiles, blocks = self.scene.fields(self.records, self.simulation)
+        if self.is_over:
+            status = self.scene.judge(series, blocks, self.simulation)
+        else:
             status = Status().warn(f"unfinished: in stage {self.stage_name}, {self.fraction:.0%} done")
         return Run(self.scene, series, profiles, blocks, self.records.snapshots, status, self.provenance())
 
@@ -121,10 +118,7 @@ class Session:
         active, absent = self.simulation.active_effects()
         return {
             "scene": scene_text(self.scene),
-            "anisogran": anisogran.__version__,
-            "python": platform.python_version(),
-            "platform": sys.platform,
-            **{name: version(name) for name in PACKAGES},
+            **software(),
             "dt": self.simulation.dt,
             "active_effects": "; ".join(active),
             "absent_effects": ", ".join(absent),

@@ -2,11 +2,11 @@
 
 import json
 import math
-import os
 import tempfile
 from pathlib import Path
 
 from anisogran.outcome import InputError
+from anisogran.whole_file import write_whole
 
 
 def check_writable(path, option=""):
@@ -41,10 +41,8 @@ def plain(value):
 
 
 def write_text(path, text):
-    """Writes a text file; an older file is replaced only when all is written."""
-    temporary = Path(f"{path}.tmp")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
+    """Writes a text file; an older file is replaced only when all is written. Raises InputError or RunFailed as `write_whole` does."""
+    write_whole(path, text.encode())
 
 
 def write_json(path, numbers):
