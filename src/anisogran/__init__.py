@@ -28,6 +28,7 @@ _NAMES = {
     "Biaxial": "experiments",
     "RingShear": "experiments",
     "SimpleShear": "experiments",
+    "read_scene": "experiments",
     "open": "files",
     "read_lammps": "files",
     "read_mercury": "files",

@@ -112,6 +112,7 @@ def test_overrides_come_last(scene):
     ("override", "words"),
     [
         ("seed", "--set seed: must be KEY=VALUE, such as contact.kc=1e5"),
+        ("\n", "--set: must be KEY=VALUE, such as contact.kc=1e5"),
         ("=3", "--set =3: must be KEY=VALUE, such as contact.kc=1e5"),
         ("sed=3", "--set sed=3: unknown key 'sed', did you mean 'seed'? biaxial has pressure"),
         ("seed=-3", "--set seed=-3: seed = -3 must be at least 0"),

@@ -37,10 +37,12 @@ def read_scene(path, overrides=(), quick=False):
         small = scene_of(experiment, reduced, f"{path} with [quick]")  # also if it is not wanted: a file is right or wrong as a whole
         if quick:
             tables, scene, where = reduced, small, f"{path} with [quick]"
-    for text in overrides:
-        key, value = parsed_override(text)
-        tables = merged(experiment, tables, _nested(key, value), Place(f"--set {' '.join(text.split())}"), defaults)
-    return scene_of(experiment, tables, f"{where} with --set {' '.join(', '.join(overrides).split())}") if overrides else scene
+    if not overrides:
+        return scene
+    options = [" ".join(f"--set {text}".split()) for text in overrides]  # on one line, whatever they are
+    for text, option in zip(overrides, options, strict=True):
+        tables = merged(experiment, tables, _nested(*parsed_override(text, option)), Place(option), defaults)
+    return scene_of(experiment, tables, f"{where} with {' '.join(options)}")
 
 
 def changed(scene, changes):
@@ -52,11 +54,11 @@ def changed(scene, changes):
     return scene_of(experiment, tables, experiment.__name__)
 
 
-def parsed_override(text):
-    """(key, value) of a text KEY=VALUE; the value as TOML, or else the text itself."""
+def parsed_override(text, option):
+    """(key, value) of a text KEY=VALUE; the value as TOML, or else the text itself. Raises InputError, which begins with `option`."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
-        raise InputError(f"--set {text}: must be KEY=VALUE, such as contact.kc=1e5")
+        raise InputError(f"{option}: must be KEY=VALUE, such as contact.kc=1e5")
     try:
         content = parsed_toml(f"value = {value}")
     except (ValueError, RecursionError):
