@@ -31,6 +31,8 @@ def main(arguments=None):
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended politely is interrupted: workers are stopped, folders left clean
     try:
         code = app(args=arguments or ["--help"], prog_name="anisogran", standalone_mode=False)
+        if code == INTERRUPTED:  # typer gives an interrupt an exit code, but no word
+            complain("interrupted", code)
     except typer.Exit as end:
         code = end.exit_code
     except InputError as error:
