@@ -199,9 +199,11 @@ def loaded(kind, path, expected):
                 raise InputError(f"{file}: Simulation has no argument {', '.join(unknown)}")
             _check_grains(file, arguments["grains"], expected.get("grains", arguments["grains"]))
             simulation = kind(**{**arguments, **expected}, restored=stored)
-        except (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError) as error:  # a forged one: its seal is good
-            raise InputError(f"{file}: is no checkpoint of a simulation ({error!r})") from error
-        others = [f"{name} {version}" for name, version in stored.description["versions"].items() if VERSIONS.get(name) != version]
+            others = [f"{name} {version}" for name, version in stored.description["versions"].items() if VERSIONS.get(name) != version]
+        except InputError:
+            raise
+        except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, MemoryError, RecursionError) as error:
+            raise InputError(f"{file}: is no checkpoint of a simulation ({error!r})") from error  # a forged one: its seal is good
         if others:
             warnings.warn(f"{file} was written with {', '.join(others)}: the run may not go on bit for bit", stacklevel=3)
         if reasons:
