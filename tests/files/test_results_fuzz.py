@@ -111,37 +111,6 @@ def test_whatever_is_written_is_read(tmp_path, names, array, value):
     group, variable, dim = names
     data = xr.Dataset({variable: (f"d{dim}", array, {f"a{dim}": value})}, attrs={f"a{variable}": value})
     path = tmp_path / "a.h5"
-    results = read_or_refused(tmp_path / "a.h5", bytes(sealed(bytearray(content))))
-    assert results is None or isinstance(results, Results)
-
-
-NAMES = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="/\0"), min_size=1, max_size=8).filter(
-    lambda name: name not in (".", "..")
-)
-TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
-FLOATS = st.floats(allow_nan=False)
-ATTRIBUTES = st.one_of(
-    TEXTS, FLOATS, st.integers(-(2**63), 2**63 - 1), st.lists(TEXTS, min_size=2, max_size=4), st.lists(FLOATS, min_size=2, max_size=4)
-)
-ARRAYS = st.one_of(
-    st.lists(st.floats(), max_size=4).map(lambda row: np.array(row, float)),
-    st.lists(st.integers(-(2**63), 2**63 - 1), max_size=4).map(lambda row: np.array(row, np.int64)),
-    st.lists(st.booleans(), max_size=4).map(lambda row: np.array(row, bool)),
-    st.lists(TEXTS, min_size=1, max_size=4).map(lambda row: np.array(row, object)),
-)
-
-
-@MANY
-@given(names=st.lists(NAMES, min_size=3, max_size=3, unique=True), array=ARRAYS, value=ATTRIBUTES)
-def test_whatever_is_written_is_read(tmp_path, names, array, value):
-    """By us and by xarray, whatever the names, values and attributes are."""
-    group, variable, dim = names
-    data = xr.Dataset({variable: (f"d{dim}", array, {f"a{dim}": value})}, attrs={f"a{variable}": value})
-    path = tmp_path / "a.h5"
-    try:
-        tree_bytes({group: data}, {})
-    except TypeError as error:
-        pytest.fail(str(error))
     results = read_or_refused(path, bytes(results_bytes({group: data}, {})))
     xr.testing.assert_identical(results[group].to_dataset(), data)
     with xr.open_datatree(path, engine="h5netcdf") as tree:
