@@ -25,13 +25,13 @@ def git(folder, *words):
 
 @pytest.fixture
 def package(tmp_path):
-    """A folder "package" with a source, under git; its commit as an attribute would be `git(package, "rev-parse", "HEAD")`."""
+    """The folder "package" of a repository, with one source in it."""
     if shutil.which("git") is None:
         pytest.skip("there is no git")
     folder = tmp_path / "package"
     folder.mkdir()
     (folder / "__init__.py").write_text("x = 1\n")
-    git(folder, "init", "-q")
+    git(tmp_path, "init", "-q")
     git(folder, "add", ".")
     git(folder, "commit", "-qm", "Begin")
     return folder

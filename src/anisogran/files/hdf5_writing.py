@@ -110,7 +110,7 @@ def _plain(variable, where):
 
 def _write_variable(group, name, values):
     """The HDF5 dataset of plain values."""
-    kind = CHARACTER if values.dtype.kind == "S" else h5t.py_create(values.dtype.newbyteorder("="))
+    kind = CHARACTER if values.dtype.kind == "S" else h5t.py_create(values.dtype)
     written = h5d.create(group, _name(name), kind, h5s.create_simple(values.shape) if values.shape else SCALAR, _DATASET)
     if values.size:
         written.write(h5s.ALL, h5s.ALL, np.asarray(values, order="C"))
