@@ -187,6 +187,9 @@ def test_every_kind_comes_back_from_us_and_from_xarray(kind, tmp_path):
         (xr.Dataset(attrs={"x": [[1, 2]]}), "more than one axis"),
         (xr.Dataset(attrs={"x": ["a", 1]}), "attribute 'x' = "),
         (xr.Dataset(attrs={"x": object()}), "attribute 'x' = "),
+        (xr.Dataset({"x": ("string2", ["a", "b", "c"])}), "'string2' is a name that its texts need"),
+        (xr.Dataset({"x": ("t", ["a", "b"]), "string2": 1.0}), "'string2' is a name that its texts need"),
+        (xr.Dataset({"x": ("t", [1.0], {"_FillValue": 2.0})}), "attribute '_FillValue' has another meaning"),
         (xr.Dataset({"x": ("t", [1.0], {"scale_factor": 2.0})}), "attribute 'scale_factor' has another meaning"),
     ],
 )  # fmt: skip

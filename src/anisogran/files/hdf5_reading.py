@@ -16,7 +16,7 @@ from anisogran.files.hdf5_writing import NUMBERS, ONLY_A_DIMENSION
 
 DEEPEST = 8  # groups within groups
 MOST_OBJECTS = 100_000
-OF_THE_FORMAT = ("CLASS", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid", "_Netcdf4Coordinates", "NAME")  # attributes of no meaning
+POINTERS = ("CLASS", "DIMENSION_LIST", "REFERENCE_LIST")  # attributes by which other programs find dimensions; here they have numbers
 
 
 class NotPlain(ValueError):
@@ -24,7 +24,7 @@ class NotPlain(ValueError):
 
 
 def read_tree(content):
-    """({"/group": Dataset}, attributes of the root) of the bytes of a file.
+    """{"/group": Dataset} of the bytes of a file; the Dataset "/" has the attributes of its root.
 
     Raises NotPlain for what is refused, and whatever h5py and xarray make of bytes that are damaged. The C library of HDF5 has had faults
     that a forged file could use: open files of strangers in a sandbox only.
@@ -68,7 +68,7 @@ class _Reader:
         self.datasets[path or "/"] = xr.Dataset(variables, attrs=attributes).set_coords(labels)
 
     def names(self, group, path):
-        """The names of what a group holds, in the order in which they were written; InputError for links that are not hard."""
+        """The names of what a group holds, in the order in which they were written; NotPlain for links that are not hard."""
         found = list(h5py.Group(group))
         if len(self.seen) + len(found) > MOST_OBJECTS:
             raise NotPlain(f"{path or '/'} brings it to more than {MOST_OBJECTS} variables and groups")
@@ -89,7 +89,7 @@ class _Reader:
         return opened
 
     def kind_of(self, opened, where):
-        """The dtype of a dataset, None of text. Raises NotPlain where the bytes are of another kind, or are not simply in this file."""
+        """The dtype of a dataset. Raises NotPlain where the bytes are of another kind, or are not simply in this file."""
         made = opened.get_create_plist()
         if made.get_layout() == h5d.VIRTUAL:
             raise NotPlain(f"{where} is a virtual dataset, whose values lie in other files")
@@ -100,7 +100,7 @@ class _Reader:
         return self.kind(opened.get_type(), where)
 
     def variable(self, opened, kind, attributes, axes, dims, sizes, where):
-        """A variable: of `dims` and `sizes` those whose numbers are in `axes`."""
+        """A variable over the dimensions numbered in `axes`; of all in its group, `dims` holds the names and `sizes` the lengths."""
         size = prod(opened.shape) * kind.itemsize
         if size and size != opened.get_storage_size():
             raise NotPlain(f"{where} of shape {opened.shape} has {opened.get_storage_size()} bytes in the file")
@@ -121,17 +121,17 @@ class _Reader:
         return xr.Variable(names, values, attributes)
 
     def attributes(self, opened, where):
-        """The attributes of a group or dataset; as scalars where there is one value, for the format knows no others."""
+        """The attributes of a group or dataset."""
         found = {}
         for index in range(h5a.get_num_attrs(opened)):
             attribute = h5a.open(opened, index=index)
             name = attribute.name.decode()
-            if name not in OF_THE_FORMAT[:3]:
+            if name not in POINTERS:
                 found[name] = self.attribute(attribute, f"{where}, attribute {name!r}")
         return found
 
     def attribute(self, attribute, where):
-        """The value of one attribute."""
+        """The value of one attribute; a list of one value is that value, as everywhere in netCDF."""
         kind = attribute.get_type()
         shape = attribute.shape
         count = prod(shape)
@@ -139,7 +139,7 @@ class _Reader:
             raise NotPlain(f"{where} has more than one axis")
         number = self.kind(kind, where)
         self.use(count * number.itemsize, where)
-        values = np.empty(shape, number)
+        values = np.zeros(shape, number)
         if count:
             attribute.read(values, mtype=kind if number.kind == "S" else None)
         if number.kind == "S":

@@ -16,17 +16,7 @@ NUMBERS = frozenset(f"{kind}{size}" for kind in "iu" for size in (1, 2, 4, 8)) |
 CHARACTER = h5t.py_create(np.dtype("S1"))
 SCALAR = h5s.create(h5s.SCALAR)
 ONLY_A_DIMENSION = "This is a netCDF dimension but not a netCDF variable."  # the words of the netCDF-4 format
-RESERVED = (
-    "_FillValue",
-    "missing_value",
-    "scale_factor",
-    "add_offset",
-    "dtype",
-    "coordinates",
-    "CLASS",
-    "NAME",
-    "_Encoding",
-)  # mean something
+RESERVED = ("missing_value", "scale_factor", "add_offset", "dtype", "coordinates", "CLASS", "NAME")  # attributes that say how to read it
 
 _DATASET = h5p.create(h5p.DATASET_CREATE)
 _DATASET.set_obj_track_times(False)  # the same data make the same bytes
@@ -73,6 +63,9 @@ def _write_dataset(group, dataset, dimensions):
     named = {"coordinates": " ".join(labels)} if labels else {}
     _write_attributes(group, dataset.attrs, "attributes", named)
     plain = {name: _plain(variable, f"variable {name!r}") for name, variable in dataset.variables.items()}
+    for dims in (dims for name, (dims, _, _) in plain.items() if dims != dataset.variables[name].dims):
+        if dims[-1] in dataset.sizes or dims[-1] in plain:
+            raise TypeError(f"{dims[-1]!r} is a name that its texts need for the number of their characters")
     sizes = {dim: size for dims, values, _ in plain.values() for dim, size in zip(dims, values.shape, strict=True)}
     scales, numbers = {}, {dim: next(dimensions) for dim in sizes}
     for dim, size in sizes.items():
@@ -120,7 +113,7 @@ def _write_variable(group, name, values):
 def _write_attributes(place, attributes, where, told=()):
     """The attributes of a group or variable, and those that tell the reader something."""
     for name, value in attributes.items():
-        if name in RESERVED or name.startswith(("_Netcdf4", "DIMENSION_", "REFERENCE_")):
+        if name in RESERVED or str(name).startswith(("_", "DIMENSION_", "REFERENCE_")):
             raise TypeError(f"{where}: attribute {name!r} has another meaning in a netCDF-4 file")
         try:
             _write_attribute(place, name, value)

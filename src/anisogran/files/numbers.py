@@ -41,7 +41,7 @@ def plain(value):
 
 
 def write_text(path, text):
-    """Writes a text file; an older file is replaced only when all is written. Raises InputError or RunFailed as `write_whole` does."""
+    """Writes a text file; an older file is replaced only when all is written. Raises as `write_whole` does."""
     write_whole(path, text.encode())
 
 

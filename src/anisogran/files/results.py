@@ -32,7 +32,7 @@ def save_results(path, datasets, attributes):
 
 
 def results_bytes(datasets, attributes):
-    """The sealed bytes of a results file; see `save_results`."""
+    """The sealed bytes of a results file, as a memoryview; see `save_results`."""
     root = {**software(), "conventions": CONVENTIONS, **attributes}
     return sealed(tree_bytes(datasets, root, room=len(MARK) + DIGITS).getbuffer())
 
