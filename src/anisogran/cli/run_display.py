@@ -12,6 +12,7 @@ from anisogran.experiments.estimate import SPEED, estimate, free_memory
 
 PLAIN_EVERY = 30.0  # s between two lines where there is no terminal
 FIGURES_EVERY = 0.5  # s between two looks at the grains
+BEGINS = "begins; the first time its kernels are compiled"
 
 
 def opening(scene, folder):
@@ -55,7 +56,7 @@ class Display:
 
     def __init__(self, scene, bar):
         self.inertial_number, self.bar = scene.nominal_inertial_number(), bar
-        self.task = bar.add_task("", total=1.0, figures="")
+        self.task = bar.add_task("", total=1.0, figures=BEGINS)
         self.stage, self.looked, self.told = None, 0.0, time.monotonic()
 
     def hear(self, session):
@@ -64,7 +65,10 @@ class Display:
             self.stage = session.stage
             self.bar.console.print(stage_line(session), highlight=False, soft_wrap=True)
         now = time.monotonic()
-        if now - self.looked < FIGURES_EVERY or session.begun is None:
+        if session.begun is None:
+            self.bar.update(self.task, description=session.stage_name, completed=session.fraction, figures=BEGINS)
+            return
+        if now - self.looked < FIGURES_EVERY:
             return
         self.looked = now
         figures = self.figures(session)

@@ -4,7 +4,8 @@ import multiprocessing
 from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 
-from anisogran.experiments import Biaxial, RingShear, SimpleShear
+from anisogran.experiments import SimpleShear
+from anisogran.experiments.estimate import estimate
 from anisogran.outcome import RunFailed
 
 _shares = None  # in a worker: progress of each job between 0 and 1, shared with the parent
@@ -34,15 +35,6 @@ def _run_all(job, scenes, costs):
     return runs
 
 
-def cost(scene):
-    """Expected work of a scene in grain-steps, up to a factor that is common to all; it only moves the progress bar."""
-    if isinstance(scene, Biaxial):
-        return 1.5 * scene.grains * scene.duration * (scene.contact.stiffest / (scene.density * scene.mean_radius**3)) ** 0.5
-    if isinstance(scene, RingShear):
-        return scene.grains * scene.travel / scene.wall_speed * 40
-    return scene.grains * scene.strain / scene.inertial_number * 40
-
-
 def run_grains(jobs, progress):
     """The Runs of all jobs (lists of experiments), each job in a process of its own.
 
@@ -55,7 +47,7 @@ def run_grains(jobs, progress):
     others = set(multiprocessing.active_children())
     shares = context.Array("d", len(jobs), lock=False)
     with ProcessPoolExecutor(len(jobs), mp_context=context, initializer=_adopt, initargs=(shares,)) as pool:
-        futures = [pool.submit(_run_all, k, scenes, [cost(scene) for scene in scenes]) for k, scenes in enumerate(jobs)]
+        futures = [pool.submit(_run_all, k, scenes, [estimate(scene).grain_steps for scene in scenes]) for k, scenes in enumerate(jobs)]
         try:
             pending = futures
             while pending:
