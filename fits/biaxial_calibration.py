@@ -1,7 +1,7 @@
 """A whole law from biaxial runs: `python fits/biaxial_calibration.py LAW biaxial.h5 ...` (made by data_generation/biaxial.py)."""
 
-import json
 import sys
+import tomllib
 
 import anisogran as ag
 
@@ -11,7 +11,7 @@ def curve(path):
     run = ag.open(path)
     series = run["series"].to_dataset()
     used = series.isel(time=slice(int(series.s_D.values.argmax()) + 1))
-    control = ag.models.biaxial(used.eps_zz.values, json.loads(run.attrs["scene"])["pressure"])
+    control = ag.models.biaxial(used.eps_zz.values, tomllib.loads(run.attrs["scene"])["pressure"])
     return ag.fit.Curve(control, {name: used[name].values for name in ("sigma_zz", "eps_V")}, label=path)
 
 

@@ -50,7 +50,7 @@ def test_a_run_from_a_file(call, tmp_path):
         "stages: prepare, relax, shear; about 4 million grain-steps, 1 s at 50 million a second on one core; about 0.3 GB"
     )
     assert end.startswith("simple_shear-001/results.h5: 30 rows, 3 snapshots; ")
-    assert last.startswith("at the end: strain 0.6")
+    assert last.startswith("at the end: strain 0.596")
     stages = [line for line in err.splitlines() if line.startswith("stage ")]
     assert [line.split(":")[0] for line in stages] == ["stage prepare", "stage relax", "stage shear"]
     assert stages[0].endswith("absent: friction, rolling, gravity, wall_friction")

@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from anisogran import fitting, tensors
 from anisogran.continuum import Flow, Nonlocal, RingFlow
+from anisogran.experiments.scene_writing import scene_text
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError, Status
 
@@ -123,7 +124,7 @@ def compare(run, flow, name="continuum"):
             "shear_rate": ("r", np.abs(np.asarray(rings.shear_rate)), attributes("shear_rate", source=name)),
         },
         coords={"r": profiles.r, "depth": profiles.depth},
-        attrs={"law": str(flow.problem.law), "scene": scene.model_dump_json()},
+        attrs={"law": str(flow.problem.law), "scene": scene_text(scene)},
     )
     r = profiles.r.values
     steady = scene.steady(run.series)
