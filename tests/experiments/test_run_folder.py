@@ -30,7 +30,7 @@ SCENES = {
     "simple_shear": SimpleShear(inertial_number=0.2, grains=60, strain=0.6, discard=0.1, seed=3, frames=3),
 }
 SHEAR = SCENES["simple_shear"]
-TIMES = ("seconds", "particle_steps_per_s")  # of the provenance: the only values that a clock has a say in
+TIMES = ("seconds", "saving_seconds", "particle_steps_per_s")  # of the provenance: the only values that a clock has a say in
 
 
 @pytest.fixture(scope="module")

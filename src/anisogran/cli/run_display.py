@@ -44,7 +44,8 @@ def shown_run(scene, folder, resume):
     with Progress(*columns, TextColumn("{task.fields[figures]}"), console=console, transient=True, disable=not console.is_terminal) as bar:
         display = Display(scene, bar)
         result = run_in_folder(scene, folder, resume, display.hear)
-    print(f"{folder / 'results.h5'}: {described(result)} ({time.perf_counter() - clock:.0f} s)")
+    saving = result.provenance["saving_seconds"]
+    print(f"{folder / 'results.h5'}: {described(result)} ({time.perf_counter() - clock:.0f} s, {saving:.1f} s of them for saving)")
     print(last_row(result))
     for reason in result.status.reasons:
         print(f"warning: {reason}")

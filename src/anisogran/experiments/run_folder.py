@@ -93,6 +93,7 @@ class Keeper:
         self.tell("running")
         self.written = time.monotonic()
         self.cost = self.written - begin
+        self.session.saving += self.cost
 
     def finish(self):
         """The Run, after everything is written and the older checkpoint is gone."""

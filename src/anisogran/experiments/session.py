@@ -24,6 +24,7 @@ class Session:
         self.simulation = None
         self.records = Records()
         self.grain_steps, self.seconds = 0, 0.0  # in the time loop, compilation left out
+        self.saving = 0.0  # seconds that went into files, in this process
         self.beginning = False  # while a stage begins nothing is half done: an interrupt may come at any moment
         self._clock = None  # when the time loop was entered or last listened to, and the step
 
@@ -125,6 +126,7 @@ class Session:
             **self.simulation.counters,
             "grain_steps": self.grain_steps,
             "seconds": self.seconds,
+            "saving_seconds": self.saving,
             "particle_steps_per_s": self.speed,
         }
 
