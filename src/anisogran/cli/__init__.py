@@ -9,11 +9,12 @@ from anisogran.cli import (
     fit_command,
     run_command,
     scene_commands,
+    sweep_commands,
 )
 from anisogran.cli.application import app, main
 from anisogran.cli.folders import numbered_folder
 
 __all__ = [
     "app", "average_command", "bench_command", "cost_command", "demo_command", "element_command", "fit_command", "main", "numbered_folder",
-    "run_command", "scene_commands",
+    "run_command", "scene_commands", "sweep_commands",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The experiments: a scene and its protocol (prepare, relax, load), one per file; scene files; and how a scene is run in a folder."""
+"""The experiments: a scene and its protocol (prepare, relax, load), one per file; scene files; runs in folders, and sweeps."""
 
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.doubts import doubts_of
@@ -11,8 +11,11 @@ from anisogran.experiments.scene_file import changed, read_scene
 from anisogran.experiments.scene_writing import scene_template, scene_text
 from anisogran.experiments.schemas import scene_schema
 from anisogran.experiments.simple_shear import SimpleShear
+from anisogran.experiments.sweep_collect import collect_sweep
+from anisogran.experiments.sweep_folder import sweep_status
+from anisogran.experiments.sweep_run import sweep
 
 __all__ = [
-    "KINDS", "Biaxial", "Experiment", "RingShear", "Run", "SimpleShear", "changed", "doubts_of", "read_scene", "run_in_folder",
-    "scene_schema", "scene_template", "scene_text",
+    "KINDS", "Biaxial", "Experiment", "RingShear", "Run", "SimpleShear", "changed", "collect_sweep", "doubts_of", "read_scene",
+    "run_in_folder", "scene_schema", "scene_template", "scene_text", "sweep", "sweep_status",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 import os
 import platform
+import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -18,6 +19,15 @@ else:
 
     def _take(file):
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _take_soon(file, tries=5):
+    """Takes the lock; another process that only looks whether it is free, see is_locked, has it for a moment."""
+    for _ in range(tries - 1):
+        with suppress(OSError):
+            return _take(file)
+        time.sleep(0.02)
+    return _take(file)
 
 
 def _holder(file):
@@ -38,7 +48,7 @@ def locked(folder):
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror})") from None
         try:
-            _take(file)
+            _take_soon(file)
         except OSError:
             holder = _holder(file)
             file.close()

@@ -161,9 +161,10 @@ def stops_noted(session):
         return
 
     def note(number, frame):
-        if stop.is_set() or session.beginning:
+        again = stop.is_set()
+        stop.set()  # in any case: what is raised within a callback of the compiler is lost
+        if again or session.beginning:
             raise KeyboardInterrupt
-        stop.set()
 
     before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

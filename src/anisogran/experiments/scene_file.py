@@ -41,7 +41,7 @@ def read_scene(path, overrides=(), quick=False):
         return scene
     options = [" ".join(f"--set {text}".split()) for text in overrides]  # on one line, whatever they are
     for text, option in zip(overrides, options, strict=True):
-        tables = merged(experiment, tables, _nested(*parsed_override(text, option)), Place(option), defaults)
+        tables = merged(experiment, tables, nested(*parsed_override(text, option)), Place(option), defaults)
     return scene_of(experiment, tables, f"{where} with {' '.join(options)}")
 
 
@@ -50,7 +50,7 @@ def changed(scene, changes):
     experiment, tables = type(scene), tables_of(scene)
     defaults = tables_of(experiment())
     for key, value in changes.items():
-        tables = merged(experiment, tables, _nested(key, value), Place(experiment.__name__), defaults)
+        tables = merged(experiment, tables, nested(key, value), Place(experiment.__name__), defaults)
     return scene_of(experiment, tables, experiment.__name__)
 
 
@@ -66,7 +66,7 @@ def parsed_override(text, option):
     return key.strip(), content["value"] if list(content) == ["value"] else value.strip()
 
 
-def _nested(key, value):
+def nested(key, value):
     """{"a": {"b": value}} of the key "a.b"."""
     for name in reversed(key.split(".")):
         value = {name: value}
