@@ -9,8 +9,9 @@ import pytest
 
 from anisogran import SimpleShear, cli, read_scene
 from anisogran import open as open_results
-from anisogran.experiments import estimate, run_folder
-from anisogran.experiments.run_folder import state_of
+from anisogran.runs import estimates
+from anisogran.runs import folder as run_folder
+from anisogran.runs.folder import state_of
 
 SCENE = """
 kind = "simple_shear"
@@ -123,7 +124,7 @@ def test_a_folder_in_use_is_kept(call, tmp_path):
     ],
 )
 def test_mistakes_are_one_line_and_leave_nothing(arguments, message, call, tmp_path, monkeypatch):
-    monkeypatch.setattr(estimate, "free_memory", lambda: 4e9)
+    monkeypatch.setattr(estimates, "free_memory", lambda: 4e9)
     (tmp_path / "empty").mkdir()
     code, out, err = call(*arguments)
     assert (code, out) == (2, "")

@@ -6,7 +6,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from anisogran import cli
-from anisogran.experiments import KINDS, read_scene, scene_schema
+from anisogran.experiments import KINDS, read_scene
+from anisogran.scenes import scene_schema
 
 
 def run(capsys, *arguments):
@@ -29,7 +30,7 @@ def test_what_schema_prints_is_a_schema(kind, capsys):
     code, text, error = run(capsys, "schema", kind)
     assert (code, error) == (0, "")
     Draft202012Validator.check_schema(json.loads(text))
-    assert json.loads(text) == scene_schema(kind)
+    assert json.loads(text) == scene_schema(KINDS[kind])
 
 
 @pytest.mark.parametrize("command", ["new", "schema"])

@@ -6,7 +6,8 @@ import pytest
 
 from anisogran import cli
 from anisogran import open as open_results
-from anisogran.experiments import KINDS, doubts_of, read_scene
+from anisogran.experiments import KINDS, read_scene
+from anisogran.scenes import doubts_of
 
 SCENES = sorted((Path(__file__).parents[1] / "data_generation").glob("*.toml"))
 

@@ -14,10 +14,11 @@ import pytest
 
 import anisogran as ag
 from anisogran import cli
-from anisogran.experiments import changed, read_scene
-from anisogran.experiments.lock import is_locked
-from anisogran.experiments.sweep_folder import fraction_of
+from anisogran.experiments import read_scene
 from anisogran.outcome import Interrupted
+from anisogran.runs.lock import is_locked
+from anisogran.scenes import changed
+from anisogran.sweeps.folder import fraction_of
 
 TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\ngrains = 60\nstrain = 0.6\ndiscard = 0.05\nframes = 0\n[quick]\nstrain = 0.55\n'
 WAIT = 60.0  # s, for a machine that is busy

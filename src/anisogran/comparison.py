@@ -8,9 +8,9 @@ from scipy.optimize import minimize_scalar
 
 from anisogran import fitting, tensors
 from anisogran.continuum import Flow, Nonlocal, RingFlow
-from anisogran.experiments.scene_writing import scene_text
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError, Status
+from anisogran.scenes.writing import scene_text
 
 
 @dataclass(frozen=True, eq=False)

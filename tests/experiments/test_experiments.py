@@ -16,9 +16,9 @@ from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
 from anisogran.experiments.simple_shear import steady_state
-from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
+from anisogran.runs.stages import Stage, equilibrium
 
 
 @pytest.fixture(scope="module")

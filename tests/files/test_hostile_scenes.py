@@ -7,9 +7,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mutations import damaged
 
-from anisogran.experiments import KINDS, Experiment, read_scene, scene_template
+from anisogran.experiments import KINDS, Experiment, read_scene
 from anisogran.files.toml_file import parsed_toml, read_toml
 from anisogran.outcome import InputError
+from anisogran.scenes import scene_template
 
 HOSTILE = {  # what it is, and why it is refused; None: the text is harmless, and read
     "a key of many parts": (".".join("a" * 400_000) + " = 1", "nested too deeply"),
@@ -87,7 +88,7 @@ def is_read_or_refused(path, overrides=()):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_damaged_scenes_are_read_or_refused(kind, tmp_path):
-    path, whole = tmp_path / "scene.toml", scene_template(kind)
+    path, whole = tmp_path / "scene.toml", scene_template(KINDS[kind])
     bare = "\n".join(line.split("#")[0] for line in whole.splitlines())  # damage to comments is none
 
     @settings(max_examples=150, deadline=2000, database=None, suppress_health_check=list(HealthCheck))
@@ -101,7 +102,7 @@ def test_damaged_scenes_are_read_or_refused(kind, tmp_path):
 
 def test_any_override_is_taken_or_refused(tmp_path):
     path = tmp_path / "scene.toml"
-    path.write_text(scene_template("simple_shear"))
+    path.write_text(scene_template(KINDS["simple_shear"]))
     keys = st.sampled_from(
         ["seed", "contact", "contact.law", "contact.k1", "contact.stiffness", "friction", "friction.mu", "a.b.c", ".", ""]
     )

@@ -23,9 +23,10 @@ def run(
 ):
     """Runs a scene; leaves results.h5 and all that is needed to go on with it in a folder. Ctrl-C saves; --resume goes on bit for bit."""
     from anisogran.cli.run_display import opening, shown_run, summary
-    from anisogran.experiments import read_scene, scene_text
-    from anisogran.experiments.estimate import check_memory
+    from anisogran.experiments import read_scene
     from anisogran.files import check_writable, write_json, write_text
+    from anisogran.runs import check_memory
+    from anisogran.scenes import scene_text
 
     if resume and out is None:
         raise InputError("run: --resume needs the folder of the run, --out FOLDER")

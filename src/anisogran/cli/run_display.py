@@ -7,8 +7,9 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from anisogran.experiments import doubts_of, run_in_folder
-from anisogran.experiments.estimate import SPEED, estimate, free_memory
+from anisogran.runs import estimate, free_memory, run_in_folder
+from anisogran.runs.estimates import SPEED
+from anisogran.scenes import doubts_of
 
 PLAIN_EVERY = 30.0  # s between two lines where there is no terminal
 FIGURES_EVERY = 0.5  # s between two looks at the grains

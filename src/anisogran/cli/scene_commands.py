@@ -12,9 +12,10 @@ Kind = Annotated[str, typer.Argument(help="Of the experiment, such as biaxial; a
 @app.command()
 def new(kind: Kind):
     """Prints a commented scene file, every key with unit, range and meaning: anisogran new biaxial > scene.toml."""
-    from anisogran.experiments import scene_template
+    from anisogran.experiments import experiment_of
+    from anisogran.scenes import scene_template
 
-    print(scene_template(kind), end="")
+    print(scene_template(experiment_of(kind)), end="")
 
 
 @app.command()
@@ -22,6 +23,7 @@ def schema(kind: Kind):
     """Prints the JSON schema of scene files, for editors that complete and check them."""
     import json
 
-    from anisogran.experiments import scene_schema
+    from anisogran.experiments import experiment_of
+    from anisogran.scenes import scene_schema
 
-    print(json.dumps(scene_schema(kind), indent=2))
+    print(json.dumps(scene_schema(experiment_of(kind)), indent=2))

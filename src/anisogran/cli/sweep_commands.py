@@ -61,8 +61,8 @@ def sweep_scene(
 
         check_writable(json_file, "--json ")
     from anisogran.experiments import read_scene
-    from anisogran.experiments.sweep_cases import case_scenes, parsed_vary
-    from anisogran.experiments.sweep_folder import check_sweep_folder
+    from anisogran.sweeps.cases import case_scenes, parsed_vary
+    from anisogran.sweeps.folder import check_sweep_folder
 
     base, varied = read_scene(scene, changes or (), quick), parsed_vary(vary)
     scenes = case_scenes(base, varied)[1]
@@ -91,9 +91,9 @@ def run_behind_bar(base, varied, folder, scenes, executor, workers, retry):
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
     from anisogran.cli.run_display import duration
-    from anisogran.experiments import sweep
-    from anisogran.experiments.estimate import estimate
-    from anisogran.experiments.sweep_run import cores
+    from anisogran.runs.estimates import estimate
+    from anisogran.sweeps import sweep
+    from anisogran.sweeps.running import cores
 
     seconds, at_once = sum(estimate(scene).seconds for scene in scenes), min(workers or cores(), len(scenes))
     on = "the workers of the scheduler" if executor else f"{at_once} {'worker' if at_once == 1 else 'workers'}"
@@ -151,9 +151,9 @@ def collect(
     force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
 ):
     """Makes one file of all cases, labelled arrays with a dimension for each varied key; what is not finished is NaN."""
-    from anisogran.experiments import collect_sweep
-    from anisogran.experiments.sweep_folder import read_sweep
     from anisogran.files import save_results
+    from anisogran.sweeps import collect_sweep
+    from anisogran.sweeps.folder import read_sweep
 
     if out is None:
         read_sweep(folder)  # tells of a wrong folder as such
@@ -175,8 +175,8 @@ def collect(
 
 def tell(folder, json_file, rows=None):
     """Prints the states of the cases, no more than `rows`, and writes them to a JSON file if one is given."""
-    from anisogran.experiments import sweep_status
-    from anisogran.experiments.sweep_cases import text_of
+    from anisogran.sweeps import sweep_status
+    from anisogran.sweeps.cases import text_of
 
     states = sweep_status(folder)
     if json_file is not None:

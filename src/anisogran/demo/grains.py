@@ -5,8 +5,8 @@ from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 
 from anisogran.experiments import SimpleShear
-from anisogran.experiments.estimate import estimate
 from anisogran.outcome import RunFailed
+from anisogran.runs.estimates import estimate
 
 _shares = None  # in a worker: progress of each job between 0 and 1, shared with the parent
 

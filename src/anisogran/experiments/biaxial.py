@@ -15,8 +15,8 @@ from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressur
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
-from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
-from anisogran.experiments.stages import Stage, equilibrium
+from anisogran.runs.stages import Stage, equilibrium
+from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 
 
 class Biaxial(Experiment):

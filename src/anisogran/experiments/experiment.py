@@ -5,9 +5,9 @@ from typing import ClassVar
 import xarray as xr
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from anisogran.experiments.scene_keys import checked_values
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status, shown
+from anisogran.scenes.keys import checked_values
 
 
 class Experiment(BaseModel):
@@ -40,8 +40,8 @@ class Experiment(BaseModel):
         resume=True goes on bit for bit; Ctrl-C and SIGTERM then raise Interrupted after saving. Raises RunFailed naming the stage if a
         preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
         """
-        from anisogran.experiments.run_folder import run_in_folder
-        from anisogran.experiments.session import Session
+        from anisogran.runs.folder import run_in_folder
+        from anisogran.runs.session import Session
 
         if folder is not None:
             return run_in_folder(self, folder, resume, progress and (lambda session: progress(session.fraction)))

@@ -2,8 +2,8 @@
 
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.ring_shear import RingShear
-from anisogran.experiments.scene_keys import chosen
 from anisogran.experiments.simple_shear import SimpleShear
+from anisogran.scenes.keys import chosen
 
 KINDS = {experiment.kind: experiment for experiment in (Biaxial, RingShear, SimpleShear)}
 

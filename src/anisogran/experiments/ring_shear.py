@@ -17,10 +17,10 @@ from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simu
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
-from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
-from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
+from anisogran.runs.stages import Stage, equilibrium
+from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 
 PRESSED = 0.82  # about that under pressure; it sets how many discs the outer ring carries
 PROFILES = (

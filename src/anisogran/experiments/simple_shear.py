@@ -19,9 +19,9 @@ from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
-from anisogran.experiments.scene_keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
-from anisogran.experiments.stages import Stage, equilibrium
 from anisogran.outcome import InputError
+from anisogran.runs.stages import Stage, equilibrium
+from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 
 CLOSING = 0.02  # strain rate of the height while nothing resists, in units of sqrt(pressure/mean mass)
 DENSE = 0.84  # about that under pressure; the cell is as much too high at the start

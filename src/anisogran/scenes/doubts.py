@@ -1,6 +1,6 @@
 """Is a scene plausible? Groups of its numbers that a mistake in the units (mm, g) puts far outside of what grains are like."""
 
-from anisogran.experiments.scene_keys import keys_of
+from anisogran.scenes.keys import keys_of
 
 STIFFNESS = 1e2, 1e7  # over pressure: softer grains overlap by more than a per cent or so, harder ones take ages
 DENSITY = 100.0, 2e4  # kg/m3: foam to gold

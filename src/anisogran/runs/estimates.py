@@ -3,8 +3,8 @@
 import os
 from typing import NamedTuple
 
-from anisogran.experiments.session import Session
 from anisogran.outcome import InputError
+from anisogran.runs.session import Session
 
 SPEED = 5e7  # grain-steps a second, of a dense sample with friction on one core of an AMD EPYC (Zen 4), see `anisogran bench dem`
 RANDOM_START = 1e-7  # s for each pair of grains, see dem/random_start.py

@@ -6,9 +6,9 @@ Every value is checked where it is said, so that a complaint names the place; wh
 import re
 from typing import NamedTuple
 
-from anisogran.experiments.scene_keys import built, chosen, keys_of, name_of
 from anisogran.keys import check_value, unknown_key
 from anisogran.outcome import InputError, shown
+from anisogran.scenes.keys import built, chosen, keys_of, name_of
 
 NONE = "none"  # what a file says for None
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"  # also in the JSON schema

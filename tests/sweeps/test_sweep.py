@@ -14,13 +14,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import anisogran as ag
-from anisogran.experiments import SimpleShear, changed, scene_text
-from anisogran.experiments.lock import _take, locked
-from anisogran.experiments.sweep_cases import NAME, case_name, case_scenes, parsed_vary, text_of
-from anisogran.experiments.sweep_collect import joined
-from anisogran.experiments.sweep_run import GO, check_workers
+from anisogran.experiments import SimpleShear
 from anisogran.files import save_results
 from anisogran.outcome import InputError, Interrupted, RunFailed
+from anisogran.runs.lock import _take, locked
+from anisogran.scenes import changed, scene_text
+from anisogran.sweeps.cases import NAME, case_name, case_scenes, parsed_vary, text_of
+from anisogran.sweeps.collecting import joined
+from anisogran.sweeps.running import GO, check_workers
 
 SCENE = SimpleShear(grains=60, strain=0.6, discard=0.05, inertial_number=0.2, frames=0)
 VARY = {"contact.stiffness": [1000.0, 2000.0], "seed": [1, 2]}
@@ -187,7 +188,7 @@ def test_a_worker_that_fails_in_a_way_nobody_foresaw_is_a_failed_case(folder, th
     def broken(name):
         raise MemoryError("no more")
 
-    monkeypatch.setattr("anisogran.experiments.sweep_run.run_case", broken)
+    monkeypatch.setattr("anisogran.sweeps.running.run_case", broken)
     set_state(folder / "contact.stiffness_1000-seed_1", state="interrupted")
     with pytest.raises(RunFailed, match="seed_1: interrupted, MemoryError: no more"):
         ag.sweep(SCENE, VARY, folder, executor=threads)
@@ -392,7 +393,7 @@ def test_workers_must_be_possible(monkeypatch):
     for workers in (0, 1.5, "two", 10**6):
         with pytest.raises(InputError, match="workers"):
             check_workers(workers, [])
-    monkeypatch.setattr("anisogran.experiments.sweep_run.free_memory", lambda: 1e9)
+    monkeypatch.setattr("anisogran.sweeps.running.free_memory", lambda: 1e9)
     check_workers(2, [SCENE] * 5)
     with pytest.raises(InputError, match=r"workers = 3 take about 0.9 GB of memory, more than 80% of the 1.0 GB that are free"):
         check_workers(3, [SCENE] * 5)

@@ -2,29 +2,27 @@
 
 import re
 
-from anisogran.experiments.kinds import experiment_of
-from anisogran.experiments.scene_keys import keys_of, name_of
-from anisogran.experiments.scene_tables import NONE, NUMBER
 from anisogran.keys import REQUIRED
+from anisogran.scenes.keys import keys_of, name_of
+from anisogran.scenes.tables import NONE, NUMBER
 
 LIMITS = {"above": "exclusiveMinimum", "at_least": "minimum", "below": "exclusiveMaximum", "at_most": "maximum"}
 OFF = {"const": NONE}
 
 
-def scene_schema(kind):
-    """The JSON schema (draft 2020-12) of the scene files of a kind, a dict; "unit" stands beside each description.
+def scene_schema(experiment):
+    """The JSON schema (draft 2020-12) of the scene files of an experiment, a class; a dict; "unit" stands beside each description.
 
-    It knows what concerns one key; what concerns several, as k2 >= k1, only `read_scene` does. Raises InputError for an unknown kind.
+    It knows what concerns one key; what concerns several, as k2 >= k1, only `read_scene` does.
     """
-    experiment = experiment_of(kind)
     quick = table_schema(experiment, whole=False) | {"description": "what replaces the keys above in a quick run"}
     schema = table_schema(experiment, whole=True)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": kind,
+        "title": experiment.kind,
         "description": experiment.__doc__.splitlines()[0],
         **schema,
-        "properties": {"kind": {"const": kind}, **schema["properties"], "quick": quick},
+        "properties": {"kind": {"const": experiment.kind}, **schema["properties"], "quick": quick},
         "required": ["kind", *schema["required"]],
     }
 

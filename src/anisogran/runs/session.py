@@ -5,11 +5,11 @@ import time
 import numpy as np
 
 from anisogran.dem import Simulation
-from anisogran.experiments.records import Records
-from anisogran.experiments.run import Run
-from anisogran.experiments.scene_writing import scene_text
 from anisogran.files import software
 from anisogran.outcome import InputError, Status
+from anisogran.runs.records import Records
+from anisogran.runs.run import Run
+from anisogran.scenes.writing import scene_text
 
 
 class Session:

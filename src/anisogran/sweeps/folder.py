@@ -10,13 +10,13 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from anisogran.experiments.run_folder import made_folder, state_of
 from anisogran.experiments.scene_file import read_scene
-from anisogran.experiments.scene_writing import scene_text
-from anisogran.experiments.session import differing
-from anisogran.experiments.sweep_cases import NAME, case_name, case_scenes, scene_from, text_of
 from anisogran.files import write_json, write_text
 from anisogran.outcome import InputError
+from anisogran.runs.folder import made_folder, state_of
+from anisogran.runs.session import differing
+from anisogran.scenes.writing import scene_text
+from anisogran.sweeps.cases import NAME, case_name, case_scenes, scene_from, text_of
 
 OF_A_BEGINNING = {"lock", "sweep.json.tmp"}  # what a sweep that was killed at once may have left
 

@@ -1,9 +1,8 @@
 """Scenes as TOML: the text of a scene, and the commented file that a new one starts from."""
 
-from anisogran.experiments.kinds import experiment_of
-from anisogran.experiments.scene_keys import keys_of, name_of
-from anisogran.experiments.scene_tables import NONE
 from anisogran.keys import REQUIRED
+from anisogran.scenes.keys import keys_of, name_of
+from anisogran.scenes.tables import NONE
 
 COLUMN = 28  # where comments begin
 
@@ -19,17 +18,16 @@ def scene_text(scene):
     return "\n".join([f'kind = "{scene.kind}"', *_values(scene), *tables]) + "\n"
 
 
-def scene_template(kind, quick=True):
-    """The commented file of the default scene of a kind: every key with unit, range and meaning; `quick`: with a table of small sizes.
+def scene_template(experiment, quick=True):
+    """The commented file of the default scene of an experiment, a class: every key with unit, range and meaning.
 
-    Raises InputError for an unknown kind.
+    `quick`: with a table of small sizes.
     """
-    experiment = experiment_of(kind)
     scene, keys = experiment(), keys_of(experiment)
     lines = [
         f"# {experiment.__doc__.splitlines()[0]}",
         '# A number may bring its unit, as "1 N/m", the one in brackets. A key or table that is left out is as it stands here.',
-        f'kind = "{kind}"',
+        f'kind = "{experiment.kind}"',
         *_explained(keys, vars(scene)),
     ]
     for name, one in keys.items():

@@ -8,10 +8,11 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from anisogran import Biaxial, Friction, Linear, Luding, RingShear, SimpleShear
-from anisogran.experiments import KINDS, changed, read_scene, scene_schema, scene_text
-from anisogran.experiments.scene_keys import keys_of, name_of
+from anisogran.experiments import KINDS, read_scene
 from anisogran.keys import REQUIRED
 from anisogran.outcome import InputError
+from anisogran.scenes import changed, scene_schema, scene_text
+from anisogran.scenes.keys import keys_of, name_of
 
 LUDING = '[contact]\nlaw = "luding"\nk1 = 1e4\nk2 = 5e4\n'
 SCENE = f'kind = "biaxial"\npressure = 50\n{LUDING}'
@@ -173,7 +174,7 @@ MISTAKES = [
 @pytest.mark.parametrize(("text", "words"), MISTAKES, ids=range(len(MISTAKES)))
 def test_a_mistake_is_one_line_and_the_schema_knows_it(text, words, complaint):
     assert complaint(text).startswith(f"scene.toml: {words}")
-    assert not Draft202012Validator(scene_schema("biaxial")).is_valid(tomllib.loads(text))
+    assert not Draft202012Validator(scene_schema(KINDS["biaxial"])).is_valid(tomllib.loads(text))
 
 
 @pytest.mark.parametrize(
@@ -238,7 +239,7 @@ def test_every_key_names_its_bound(kind, table, law, key, one, complaint):
     assert len(one.meaning) > 5
     bounds = {words: bound for words, bound in one.bounds.items() if bound is not None}
     assert bounds
-    validator = Draft202012Validator(scene_schema(kind))
+    validator = Draft202012Validator(scene_schema(KINDS[kind]))
     for words, bound in bounds.items():
         value = beyond(bound, words, one.whole)
         text, begin = with_value(kind, table, law, key, value)

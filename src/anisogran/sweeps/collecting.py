@@ -5,12 +5,12 @@ import json
 import numpy as np
 import xarray as xr
 
-from anisogran.experiments.scene_keys import keys_of
-from anisogran.experiments.scene_writing import scene_text
-from anisogran.experiments.sweep_cases import text_of
-from anisogran.experiments.sweep_folder import read_sweep
 from anisogran.files import open as open_results
 from anisogran.outcome import InputError
+from anisogran.scenes.keys import keys_of
+from anisogran.scenes.writing import scene_text
+from anisogran.sweeps.cases import text_of
+from anisogran.sweeps.folder import read_sweep
 
 CASES = {  # of the state of a case, and what it says
     "state": "of the case: finished, or else its other variables are NaN",

@@ -5,10 +5,10 @@ import math
 import re
 
 from anisogran.experiments.kinds import experiment_of
-from anisogran.experiments.scene_file import nested, parsed_override
-from anisogran.experiments.scene_tables import Place, merged, scene_of, tables_of
 from anisogran.files.toml_file import parsed_toml
 from anisogran.outcome import InputError, shown
+from anisogran.scenes.changes import nested, parsed_override
+from anisogran.scenes.tables import Place, merged, scene_of, tables_of
 
 MANY = 10_000  # cases
 RANGE = re.compile(r"\s*([+-]?\d{1,18})\.\.([+-]?\d{1,18})\s*")

@@ -16,13 +16,13 @@ import xarray as xr
 from anisogran import Biaxial, Friction, InputError, RingShear, SimpleShear
 from anisogran import open as open_results
 from anisogran.dem import Simulation
-from anisogran.experiments import estimate as estimates
-from anisogran.experiments import run_folder
-from anisogran.experiments.estimate import check_memory, estimate
-from anisogran.experiments.lock import is_locked, locked
-from anisogran.experiments.run_folder import run_in_folder, state_of
-from anisogran.experiments.session import Session
 from anisogran.outcome import Interrupted, RunFailed
+from anisogran.runs import estimates
+from anisogran.runs import folder as run_folder
+from anisogran.runs.estimates import check_memory, estimate
+from anisogran.runs.folder import run_in_folder, state_of
+from anisogran.runs.lock import is_locked, locked
+from anisogran.runs.session import Session
 
 SCENES = {
     "biaxial": Biaxial(grains=40, friction=Friction(2e4, 0.5), strain=0.02, duration=0.002, samples=20, seed=3),
@@ -96,7 +96,7 @@ import numpy as np
 sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 from test_run_folder import SCENES, assert_same
-from anisogran.experiments.run_folder import run_in_folder, state_of
+from anisogran.runs.folder import run_in_folder, state_of
 
 scene, folder, kills = SCENES["ring_shear"], Path(sys.argv[2]), int(sys.argv[3])
 moments = random.Random(20050603)
@@ -277,8 +277,8 @@ FULL = """
 import resource, sys
 sys.path.insert(0, sys.argv[1])
 from test_run_folder import SHEAR, Leave
-from anisogran.experiments import session
-from anisogran.experiments.run_folder import run_in_folder
+from anisogran.runs import session
+from anisogran.runs.folder import run_in_folder
 from anisogran.outcome import Interrupted, RunFailed
 
 def on_a_full_disk(write):
@@ -356,7 +356,7 @@ def test_memory_is_looked_at_before_the_start(monkeypatch):
 MEMORY = """
 import resource, sys
 from anisogran import SimpleShear
-from anisogran.experiments.estimate import estimate
+from anisogran.runs.estimates import estimate
 scene = SimpleShear(inertial_number=0.5, grains=2000, strain=0.6, discard=0.1, frames=30)
 scene.run(folder=sys.argv[1])
 print(estimate(scene).memory / (1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))

@@ -17,10 +17,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from anisogran.dem.sealed import previous_of
-from anisogran.experiments.lock import is_locked, locked
-from anisogran.experiments.session import Session
 from anisogran.files import software, write_json
 from anisogran.outcome import InputError, Interrupted, RunFailed
+from anisogran.runs.lock import is_locked, locked
+from anisogran.runs.session import Session
 
 EVERY, SHARE = 10.0, 0.05  # seconds between two saves, and how much of the time they may take
 STATES = ("new", "running", "killed", "interrupted", "failed", "finished")

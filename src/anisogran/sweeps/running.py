@@ -8,14 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from anisogran.experiments.estimate import SHARE, estimate, free_memory
-from anisogran.experiments.lock import is_locked, locked
-from anisogran.experiments.run_folder import made_folder, run_in_folder
 from anisogran.experiments.scene_file import read_scene
-from anisogran.experiments.sweep_cases import case_scenes
-from anisogran.experiments.sweep_folder import check_sweep_folder, fraction_of, taken_up
-from anisogran.experiments.sweep_processes import LocalProcesses
 from anisogran.outcome import InputError, Interrupted, RunFailed, checked
+from anisogran.runs.estimates import SHARE, estimate, free_memory
+from anisogran.runs.folder import made_folder, run_in_folder
+from anisogran.runs.lock import is_locked, locked
+from anisogran.sweeps.cases import case_scenes
+from anisogran.sweeps.folder import check_sweep_folder, fraction_of, taken_up
+from anisogran.sweeps.processes import LocalProcesses
 
 GO = "go"  # the file that is there while cases are to run
 GRACE = 2.0  # s, for cases to see that they are to stop
