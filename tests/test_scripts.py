@@ -1,11 +1,16 @@
 """Every script in data_generation/ and fits/ runs in its small version and gives numbers of the right size."""
 
 import importlib.util
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+import anisogran as ag
 
 ROOT = Path(__file__).parents[1]
 
@@ -76,6 +81,17 @@ def test_code_of_the_readme_runs(tmp_path, monkeypatch):
     assert names["fit"].verdict
     assert names["sim"].step == 1000
     assert (tmp_path / "cohesion.h5").exists()
+
+
+def test_commands_of_the_readme_run(tmp_path):
+    """Scene, run, resume, sweep and collection as printed."""
+    (block,) = (part for part in re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.S) if "anisogran new" in part)
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    subprocess.run(["bash", "-e", "-c", block], cwd=tmp_path, env={**os.environ, "PATH": path}, check=True, capture_output=True)
+    collected = ag.open(tmp_path / "cohesion" / "collected.h5")
+    assert collected["series"].sizes == {"contact_kc": 3, "seed": 2, "sample": 101}
+    assert (collected["cases"].state == "finished").all()
+    assert ag.open(tmp_path / "box" / "results.h5").attrs["status"] == "ok"
 
 
 def test_ci_runs_the_test_command_of_the_readme():
