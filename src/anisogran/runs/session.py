@@ -154,21 +154,25 @@ class Session:
             if physical:
                 raise InputError(f"{path}: is of another scene: {'; '.join(physical)}")
             session.simulation, session.records = simulation, Records.unpacked(stored["records"])
-            session._go_to(**stored["place"])
+            session._go_to(**stored["place"], recount=bool(unlike))
         except InputError:
             raise
         except (LookupError, TypeError, ValueError, AttributeError) as error:  # a forged one: its seal is good
             raise InputError(f"{path}: is no checkpoint of a run ({error!r})") from None
-        if unlike and session.begun is not None:  # marks are counted anew; one at this very step is done if there is a row of it
-            step, marks = simulation.step - session.begun, session.stages[session.stage].marks
-            looked = bool(session.records.rows) and session.records.rows[-1]["time"] == simulation.time
-            session.marks = int(np.searchsorted(marks, step, side="right" if looked else "left"))
         return session
 
-    def _go_to(self, stage, begun, marks, grain_steps, seconds):
-        """Takes up the place of a stored session. Raises LookupError if there is no such place."""
-        if not 0 <= stage <= len(self.stages) or (begun is not None and not 0 <= marks < len(self.stages[stage].marks)):
-            raise LookupError(f"stage {stage}, mark {marks}")
+    def _go_to(self, stage, begun, marks, grain_steps, seconds, recount):
+        """Takes up the place of a stored session; where other marks are asked for now, they are counted anew.
+
+        Raises LookupError if there is no such place.
+        """
+        last = stage == len(self.stages)
+        steps = np.zeros(1) if last else self.stages[stage].marks
+        if begun is not None and recount:  # a mark at this very step is done if there is a row of it
+            looked = bool(self.records.rows) and self.records.rows[-1]["time"] == self.simulation.time
+            marks = int(np.searchsorted(steps, self.simulation.step - begun, side="right" if looked else "left"))
+        if stage < 0 or (begun is not None and (last or not 0 <= begun <= self.simulation.step or not 0 <= marks <= len(steps))):
+            raise LookupError(f"stage {stage}, begun at {begun}, mark {marks}")
         self.stage, self.begun, self.marks, self.grain_steps, self.seconds = stage, begun, marks, grain_steps, seconds
 
 
