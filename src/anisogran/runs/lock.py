@@ -1,24 +1,28 @@
 """One process at a time in a folder: a lock that the system takes away when the process ends, however it ends."""
 
+import errno
 import os
 import platform
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from anisogran.outcome import InputError
+from anisogran.outcome import InputError, RunFailed
 
 try:
     import fcntl
 except ImportError:  # Windows
     import msvcrt
 
-    def _take(file):
+    def _take(file, alone=True):
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
 
-    def _take(file):
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    def _take(file, alone=True):
+        fcntl.flock(file, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+
+
+HELD = (errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK)  # what the systems say of a lock that another process has
 
 
 def _take_soon(file, tries=5):
@@ -34,7 +38,7 @@ def _holder(file):
     """Process and host that a lock file names."""
     with suppress(OSError):
         file.seek(0)
-        return file.read(200).strip() or "another process"
+        return file.read(200).decode(errors="replace").strip() or "another process"
     return "another process"
 
 
@@ -44,22 +48,27 @@ def locked(folder):
     path = Path(folder) / "lock"
     while True:
         try:
-            file = open(path, "a+", encoding="utf-8")  # noqa: SIM115
+            file = open(path, "a+b", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror})") from None
         try:
             _take_soon(file)
-        except OSError:
+        except OSError as error:
             holder = _holder(file)
             file.close()
+            if error.errno not in HELD:
+                raise InputError(f"{path}: cannot be locked ({error.strerror})") from None
             raise InputError(f"{folder}: {holder} is at work there") from None
-        if path.exists() and os.path.samestat(os.fstat(file.fileno()), path.stat()):
-            break
-        file.close()  # the process that had it has just removed it
+        with suppress(OSError):  # the process that had it may have removed it just now
+            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                break
+        file.close()
     try:
-        file.truncate(0)
-        file.write(f"process {os.getpid()} on {platform.node()}\n")
-        file.flush()
+        try:
+            file.truncate(0)
+            file.write(f"process {os.getpid()} on {platform.node()}\n".encode())
+        except OSError as error:
+            raise RunFailed(f"{path}: cannot be written ({error.strerror})") from None
         yield
     finally:
         with suppress(OSError):
@@ -68,13 +77,12 @@ def locked(folder):
 
 
 def is_locked(folder):
-    """Whether a process has the folder."""
-    path = Path(folder) / "lock"
-    if not path.exists():
-        return False
+    """Whether a process has the folder. Only looks: makes no file, and is in nobody's way who looks too."""
     try:
-        with open(path, "a+", encoding="utf-8") as file:
-            _take(file)
+        with open(Path(folder) / "lock", "rb") as file:
+            _take(file, alone=False)
+    except FileNotFoundError:
+        return False
     except OSError:
         return True
     return False
