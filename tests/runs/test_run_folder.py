@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from anisogran import Biaxial, Friction, InputError, RingShear, SimpleShear
+from anisogran import Biaxial, Friction, InputError, RingShear, SimpleShear, average, read_scene
 from anisogran import open as open_results
 from anisogran.dem import Simulation
 from anisogran.outcome import Interrupted, RunFailed
@@ -30,6 +30,7 @@ SCENES = {
     "simple_shear": SimpleShear(inertial_number=0.2, grains=60, strain=0.6, discard=0.1, seed=3, frames=3),
 }
 SHEAR = SCENES["simple_shear"]
+WHOLE = ["checkpoint.npz", "results.h5", "scene.toml", "state.json"]  # what a run that is finished leaves
 TIMES = ("seconds", "saving_seconds", "particle_steps_per_s")  # of the provenance: the only values that a clock has a say in
 
 
@@ -80,7 +81,7 @@ def test_a_run_left_anywhere_goes_on_bit_for_bit(name, straight, tmp_path):
     assert stages >= {stage.name for stage in scene.stages()}
     assert_same(run, straight[name])
     assert state_of(tmp_path)["state"] == "finished"
-    assert contents(tmp_path) == ["checkpoint.npz", "results.h5", "state.json"]
+    assert contents(tmp_path) == WHOLE
     for group, dataset in straight[name].datasets().items():
         stored = open_results(tmp_path / "results.h5")[group or "/"].to_dataset(inherit=False)
         assert stored.sizes == dataset.sizes
@@ -198,6 +199,20 @@ def test_other_output_is_the_same_run(straight, tmp_path):
             np.testing.assert_array_equal(getattr(run.snapshots["end"], part), getattr(straight[name].snapshots["end"], part))
 
 
+def test_whoever_looks_on_changes_nothing(straight, tmp_path):
+    """All fields averaged, energies, forces and pictures taken again and again."""
+
+    def look(session):
+        if session.begun is not None:
+            snapshot = session.simulation.snapshot()
+            average(snapshot, least_contacts=0)
+            session.simulation.energy()
+            session.simulation.force_imbalance()
+
+    for name in SCENES:
+        assert_same(run_in_folder(SCENES[name], tmp_path / name, listen=look), straight[name])
+
+
 def test_an_edited_scene_is_refused_by_its_keys_but_for_output(tmp_path):
     scene = SCENES["biaxial"]
     with pytest.raises(Interrupted):
@@ -214,6 +229,21 @@ def test_an_edited_scene_is_refused_by_its_keys_but_for_output(tmp_path):
     coarse, fine = (np.linspace(0, whole, n + 1).astype(int) for n in (20, 40))
     assert coarse[6] < steps[7] <= coarse[7]  # the grains were somewhere here when they were left
     np.testing.assert_array_equal(steps, [*coarse[:7], *fine[fine >= steps[7]]])
+
+
+def test_a_run_is_taken_up_with_fewer_rows(tmp_path):
+    """Of another number of rows the place in the file says nothing; and what scene.toml says is what is run from there."""
+    scene = SCENES["biaxial"].model_copy(update={"samples": 40})
+    with pytest.raises(Interrupted):
+        run_in_folder(scene, tmp_path, listen=lambda session: Leave(1)(session) if len(session.records.rows) == 30 else None)
+    fewer = scene.model_copy(update={"samples": 10})
+    with pytest.raises(Interrupted):
+        run_in_folder(fewer, tmp_path, resume=True, listen=Leave(1))
+    assert read_scene(tmp_path / "scene.toml") == fewer
+    run = run_in_folder(fewer, tmp_path, resume=True)
+    steps = np.round(run.series.time.values / run.provenance["dt"]).astype(int)
+    fine, coarse = (np.linspace(0, steps[-1], n + 1).astype(int) for n in (40, 10))
+    np.testing.assert_array_equal(steps, [*fine[:30], *coarse[coarse > fine[29]]])
 
 
 def test_one_process_at_a_time(tmp_path):
@@ -316,7 +346,7 @@ def test_a_full_disk_stops_the_run_and_harms_nothing(name, straight, tmp_path):
     assert Session.load(tmp_path / "run" / "checkpoint.npz", SHEAR).records.rows
     assert open_results(tmp_path / "run" / "results.h5")["series"].sizes["time"] > 0
     assert_same(run_in_folder(SHEAR, tmp_path / "run", resume=True), straight["simple_shear"])
-    assert contents(tmp_path / "run") == ["checkpoint.npz", "results.h5", "state.json"]
+    assert contents(tmp_path / "run") == WHOLE
 
 
 def test_folders_that_cannot_be_used(tmp_path):
@@ -408,7 +438,7 @@ def test_a_folder_begun_anew_keeps_nothing_of_the_run_before(straight, tmp_path)
     with pytest.raises(Interrupted):
         run_in_folder(SCENES["biaxial"], tmp_path, listen=Leave(12))
     assert_same(run_in_folder(SHEAR, tmp_path), straight["simple_shear"])
-    assert contents(tmp_path) == ["checkpoint.npz", "results.h5", "state.json"]
+    assert contents(tmp_path) == WHOLE
 
 
 def test_the_state_of_a_folder(tmp_path):

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import warnings
 from typing import Annotated
 
 import typer
@@ -29,6 +30,7 @@ def main(arguments=None):
     """Runs the command line and leaves with its exit code; a user's mistake is one line on stderr, never a traceback."""
     arguments = sys.argv[1:] if arguments is None else arguments
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # ended politely is interrupted: workers are stopped, folders left clean
+    warnings.showwarning = one_line
     try:
         code = app(args=arguments or ["--help"], prog_name="anisogran", standalone_mode=False)
         if code == INTERRUPTED:  # typer gives an interrupt an exit code, but no word
@@ -48,6 +50,11 @@ def main(arguments=None):
             raise
         code = complain(error.format_message(), BAD_INPUT)
     sys.exit(code or OK)
+
+
+def one_line(message, category, filename, lineno, file=None, line=None):
+    """Shows a warning as the user's concern that it is, without the line of our sources at which it arose."""
+    complain(f"warning: {message}", OK)
 
 
 def complain(error, code):

@@ -24,9 +24,8 @@ def run(
     """Runs a scene; leaves results.h5 and all that is needed to go on with it in a folder. Ctrl-C saves; --resume goes on bit for bit."""
     from anisogran.cli.run_display import opening, shown_run, summary
     from anisogran.experiments import read_scene
-    from anisogran.files import check_writable, write_json, write_text
+    from anisogran.files import check_writable, write_json
     from anisogran.runs import check_memory
-    from anisogran.scenes import scene_text
 
     if resume and out is None:
         raise InputError("run: --resume needs the folder of the run, --out FOLDER")
@@ -41,9 +40,8 @@ def run(
     scene = read_scene(scene_file or out / "scene.toml", changes or (), quick)
     check_memory(scene)
     folder = out if resume else output_folder(out, scene.kind, force)
-    opening(scene, folder)
     try:
-        write_text(folder / "scene.toml", scene_text(scene)) if not resume else None
+        opening(scene, folder)
         result = shown_run(scene, folder, resume)
     except BaseException:
         with contextlib.suppress(OSError):

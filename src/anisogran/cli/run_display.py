@@ -27,6 +27,7 @@ def opening(scene, folder):
     )
     for doubt in doubts_of(scene):
         print(f"warning: {doubt}")
+    sys.stdout.flush()  # what is told before the start is to be read before the end, in a file too
 
 
 def duration(seconds):

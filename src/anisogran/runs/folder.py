@@ -17,10 +17,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from anisogran.dem.sealed import previous_of
-from anisogran.files import software, write_json
+from anisogran.files import software, write_json, write_text
 from anisogran.outcome import InputError, Interrupted, RunFailed
 from anisogran.runs.lock import is_locked, locked
 from anisogran.runs.session import Session
+from anisogran.scenes.writing import scene_text
 
 EVERY, SHARE = 10.0, 0.05  # seconds between two saves, and how much of the time they may take
 STATES = ("new", "running", "killed", "interrupted", "failed", "finished")
@@ -29,39 +30,50 @@ STATES = ("new", "running", "killed", "interrupted", "failed", "finished")
 def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
     """The Run of a scene that keeps itself in `folder`; with `resume` it goes on from what is there, if anything is.
 
-    `listen(session)` is called several times a second. Saved every `every` seconds, or so seldom that it takes 5 % of the time; and at
-    SIGINT (Ctrl-C) and SIGTERM, which then raise Interrupted, a second one at once. Raises InputError if the folder cannot be used,
-    another process is at work there, or its checkpoint is of another scene or damaged; RunFailed if a stage is refused or the
-    simulation stops, or the disk takes no more: then the checkpoint is still the last good one.
+    `listen(session)` is called several times a second; a KeyboardInterrupt from it stops the run like a signal. Saved every `every`
+    seconds, or so seldom that it takes 5 % of the time; and at SIGINT (Ctrl-C) and SIGTERM, which then raise Interrupted; a second one
+    ends it at once. Raises InputError if the folder cannot be used, another process is at work there, or its checkpoint is of another
+    scene or damaged; RunFailed if a stage is refused or the simulation stops, or the disk takes no more: then the checkpoint is still the
+    last good one.
     """
     folder = made_folder(folder)
     with locked(folder):
-        checkpoint = folder / "checkpoint.npz"
-        there = checkpoint.exists() or previous_of(checkpoint).exists()
-        session = Session.load(checkpoint, scene) if resume and there else Session(scene)
-        keeper = Keeper(session, folder, every)
-        if session.is_over:  # finished, or killed between its last checkpoint and its results
-            return session.result() if state_of(folder)["state"] == "finished" else keeper.finish()
-        if not there or not resume:
+        session = taken_up(scene, folder) if resume else Session(scene)
+        if session.is_over and state_of(folder)["state"] == "finished" and (folder / "results.h5").exists():
+            return session.result()
+        if session.simulation is None:
             clear(folder)
+        write_text(folder / "scene.toml", scene_text(scene))
+        keeper = Keeper(session, folder, every)
         keeper.tell("running")
         with stops_noted(session) as stop:
             try:
                 session.go(lambda: keeper.hear(stop, listen))
-                return keeper.finish()
+                run = keeper.finish()
             except KeyboardInterrupt:
-                keeper.save()
-                keeper.tell("interrupted")
-                raise Interrupted(
-                    f"interrupted in stage {session.stage_name}, {session.fraction:.0%} done; {folder} holds the run"
-                ) from None
-            except RunFailed as error:
-                with suppress(RunFailed):  # of a full disk, which is what the error is about
-                    keeper.tell("failed", str(error))
-                if session.simulation is not None and session.simulation.failure is not None:
-                    session.save(folder / "checkpoint.npz.failed")
-                    raise RunFailed(f"{error}; {folder / 'checkpoint.npz.failed'} holds the state") from None
+                if not session.beginning:  # a second one, anywhere in the midst of things
+                    raise
+                raise keeper.interrupted() from None
+            except Interrupted:
                 raise
+            except Exception as error:
+                told = keeper.failed(error)
+                if told is error:
+                    raise
+                raise told from None
+        if stop.is_set():  # too late to leave anything undone, but whoever asked for it wants no more to follow
+            raise Interrupted(f"interrupted at the end; {folder} holds the run, which is finished")
+        return run
+
+
+def taken_up(scene, folder):
+    """The Session that goes on from what is in the folder; a new one if nothing is."""
+    checkpoint = folder / "checkpoint.npz"
+    if checkpoint.exists() or previous_of(checkpoint).exists():
+        return Session.load(checkpoint, scene)
+    if (folder / "results.h5").exists():
+        raise InputError(f"{folder}: holds results but no checkpoint to go on from; begin anew in another folder")
+    return Session(scene)
 
 
 class Keeper:
@@ -73,35 +85,60 @@ class Keeper:
         self.written, self.cost = time.monotonic(), 0.0
 
     def hear(self, stop, listen):
-        """Called between steps: stops if that is wanted, saves if it is due, and passes on."""
-        if stop.is_set():
-            raise KeyboardInterrupt
+        """Called between whole steps: saves if it is due, passes on, and leaves the run if that is wanted, before or by now."""
         session = self.session
-        between_stages = session.begun is None  # what comes next may be long to compile, and cannot be left
-        if between_stages or time.monotonic() - self.written >= max(self.every, self.cost / SHARE):
+        if not stop.is_set():
+            between_stages = session.begun is None and not session.is_over  # what comes next may be long to compile, and cannot be left
+            if between_stages or time.monotonic() - self.written >= max(self.every, self.cost / SHARE):
+                self.save()
+                self.tell("running")
+            if listen is not None:
+                try:
+                    listen(session)
+                except KeyboardInterrupt:
+                    stop.set()
+        if stop.is_set():
             self.save()
-        if listen is not None:
-            listen(session)
+            raise self.interrupted()
 
     def save(self):
-        """Checkpoint, results, state."""
+        """Writes checkpoint and results; the Run so far, or None."""
         begin = time.monotonic()
         self.session.save(self.folder / "checkpoint.npz")
-        result = self.session.result()
-        if result is not None:
-            result.save(self.folder / "results.h5")
-        self.tell("running")
+        run = self.session.result()
+        if run is not None:
+            run.save(self.folder / "results.h5")
         self.written = time.monotonic()
         self.cost = self.written - begin
         self.session.saving += self.cost
+        return run
 
     def finish(self):
         """The Run, after everything is written and the older checkpoint is gone."""
-        self.save()
-        previous_of(self.folder / "checkpoint.npz").unlink(missing_ok=True)
-        run = self.session.result()
+        run = self.save()
+        for name in ("checkpoint.npz.previous", "checkpoint.npz.failed"):
+            (self.folder / name).unlink(missing_ok=True)
         self.tell("finished", str(run.status))
         return run
+
+    def interrupted(self):
+        """Writes that the run was left; the exception that says so."""
+        self.tell("interrupted")
+        return Interrupted(
+            f"interrupted in stage {self.session.stage_name}, {self.session.fraction:.0%} done; {self.folder} holds the run"
+        )  # fmt: skip
+
+    def failed(self, error):
+        """Writes why the run has failed, and apart from the good checkpoint the state of a simulation that had to stop; the exception."""
+        known = isinstance(error, RunFailed | InputError)
+        with suppress(RunFailed, InputError):  # of a full disk or a lost folder, which is what the error is about
+            self.tell("failed", str(error) if known else f"{type(error).__name__}: {error}")
+        simulation, path = self.session.simulation, self.folder / "checkpoint.npz.failed"
+        if isinstance(error, RunFailed) and simulation is not None and simulation.failure is not None:
+            with suppress(RunFailed, InputError):
+                self.session.save(path)
+                return RunFailed(f"{error}; {path} holds the state")
+        return error
 
     def tell(self, state, message=""):
         """Writes how the run is."""
@@ -120,7 +157,7 @@ def made_folder(folder):
     try:
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-    except TypeError:
+    except (TypeError, ValueError):  # ValueError: a name that no folder can have
         raise InputError(f"folder {folder!r} is no path") from None
     except OSError as error:
         raise InputError(f"{folder}: cannot be made ({error.strerror})") from None
@@ -128,9 +165,12 @@ def made_folder(folder):
 
 
 def clear(folder):
-    """Removes what an earlier run has left, so that nothing of it can be taken for this one's."""
-    for name in ("checkpoint.npz", "checkpoint.npz.previous", "checkpoint.npz.failed", "results.h5", "state.json"):
-        (folder / name).unlink(missing_ok=True)
+    """Removes what an earlier run has left, so that nothing of it can be taken for this one's. Raises InputError where it cannot be."""
+    for name in ("state.json", "results.h5", "checkpoint.npz", "checkpoint.npz.previous", "checkpoint.npz.failed"):
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder / name}: cannot be removed ({error.strerror})") from None
 
 
 def state_of(folder):
@@ -153,7 +193,7 @@ def state_of(folder):
 def stops_noted(session):
     """Within the block the first SIGINT or SIGTERM sets the event that is given; a second one, or one while a stage begins, interrupts.
 
-    Only the main thread hears signals; in another one nothing is changed.
+    Only the main thread hears signals; in another one nothing is changed. A signal that the process was told to ignore stays ignored.
     """
     stop = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -166,7 +206,8 @@ def stops_noted(session):
         if again or session.beginning:
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    heard = [number for number in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(number) not in (signal.SIG_IGN, None)]
+    before = {number: signal.signal(number, note) for number in heard}
     try:
         yield stop
     finally:

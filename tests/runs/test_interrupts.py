@@ -1,0 +1,232 @@
+"""Signals and mistakes at the worst moments: what is on the disk is whole and true, whatever a run was doing."""
+
+import os
+import signal
+import threading
+from contextlib import suppress
+
+import pytest
+from test_run_folder import SHEAR, WHOLE, assert_same, contents
+
+from anisogran import InputError
+from anisogran import open as open_results
+from anisogran.outcome import Interrupted, RunFailed
+from anisogran.runs import folder as run_folder
+from anisogran.runs import session as run_session
+from anisogran.runs.folder import Keeper, run_in_folder, state_of
+from anisogran.runs.session import Session
+
+
+@pytest.fixture(scope="module")
+def straight():
+    return SHEAR.run()
+
+
+def interrupt(times=1):
+    for _ in range(times):
+        os.kill(os.getpid(), signal.SIGINT)
+
+
+def after(monkeypatch, owner, name, deed, when=lambda *arguments: True):
+    """Does something at the end of a method, once."""
+    method, done = getattr(owner, name), []
+
+    def patched(self, *arguments, **options):
+        result = method(self, *arguments, **options)
+        if not done and when(self, *arguments):
+            done.append(True)
+            deed()
+        return result
+
+    monkeypatch.setattr(owner, name, patched)
+
+
+def test_a_second_signal_in_the_midst_of_a_row_saves_no_half_of_it(straight, tmp_path, monkeypatch):
+    """It ends the run at once; the last save holds, and it goes on from there."""
+    with monkeypatch.context() as patch:
+        after(patch, type(SHEAR), "look", lambda: interrupt(2), when=lambda scene, simulation, records, k: k == 8)
+        with pytest.raises(KeyboardInterrupt):
+            run_in_folder(SHEAR, tmp_path, every=0.0)
+    assert state_of(tmp_path)["state"] == "killed"
+    assert len(Session.load(tmp_path / "checkpoint.npz", SHEAR).records.rows) <= 8
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_a_signal_while_saving_between_two_stages_is_heard_before_the_next_begins(straight, tmp_path, monkeypatch):
+    """The next stage may be long to compile."""
+    with monkeypatch.context() as patch:
+        after(patch, Keeper, "save", interrupt, when=lambda keeper: keeper.session.begun is None)
+        with pytest.raises(Interrupted, match="interrupted in stage relax, "):
+            run_in_folder(SHEAR, tmp_path)
+    session = Session.load(tmp_path / "checkpoint.npz", SHEAR)
+    assert (session.stage, session.begun) == (1, None)
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+@pytest.mark.parametrize("stage", ["pressed", "sheared"])
+def test_a_signal_while_a_stage_begins_leaves_it_there(stage, straight, tmp_path, monkeypatch):
+    """Nothing is half done; at the first stage there is nothing yet to keep."""
+    with monkeypatch.context() as patch:
+        after(patch, type(SHEAR), stage, interrupt)
+        with pytest.raises(Interrupted, match=r"interrupted in stage (prepare|shear), "):
+            run_in_folder(SHEAR, tmp_path)
+    assert state_of(tmp_path)["state"] == "interrupted"
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_an_interrupt_that_the_compiler_swallows_is_heard_all_the_same(straight, tmp_path, monkeypatch):
+    """What is raised in a callback of the compiler is lost; the run ends as soon as the stage has begun."""
+    compile_ = run_session.Simulation.compile
+
+    def swallowing(self):
+        with suppress(KeyboardInterrupt):
+            interrupt()
+        compile_(self)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(run_session.Simulation, "compile", swallowing)
+        with pytest.raises(Interrupted, match="interrupted in stage prepare, 0% done"):
+            run_in_folder(SHEAR, tmp_path)
+    assert Session.load(tmp_path / "checkpoint.npz", SHEAR).begun == 0
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_a_signal_at_the_very_end_does_not_get_lost(straight, tmp_path, monkeypatch):
+    """The run is finished, but a script that would go on with the next one is stopped."""
+    with monkeypatch.context() as patch:
+        after(patch, Keeper, "finish", interrupt)
+        with pytest.raises(Interrupted, match=f"^interrupted at the end; {tmp_path} holds the run, which is finished$"):
+            run_in_folder(SHEAR, tmp_path)
+    assert state_of(tmp_path)["state"] == "finished"
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_a_signal_that_is_ignored_stays_so(straight, tmp_path, monkeypatch):
+    """As of a process that a shell has put in the background."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        after(monkeypatch, type(SHEAR), "look", lambda: interrupt(2))
+        assert_same(run_in_folder(SHEAR, tmp_path), straight)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_run_in_another_thread(straight, tmp_path):
+    """It hears no signals, but its listener can stop it; the handlers of the main thread are left alone."""
+    told = []
+
+    def stop(session):
+        if len(session.records.rows) == 8:
+            assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+            raise KeyboardInterrupt
+
+    def work():
+        try:
+            run_in_folder(SHEAR, tmp_path, listen=stop)
+        except Interrupted as error:
+            told.append(str(error))
+            told.append(run_in_folder(SHEAR, tmp_path, resume=True))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join(60)
+    assert told[0].startswith("interrupted in stage shear, ")
+    assert_same(told[1], straight)
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (InputError("Simulation: grain 3 is a square"), "Simulation: grain 3 is a square"),
+        (MemoryError(), "MemoryError: "),
+        (ZeroDivisionError("a mistake of ours"), "ZeroDivisionError: a mistake of ours"),
+    ],
+)
+def test_whatever_else_ends_a_run_is_told(error, message, tmp_path, monkeypatch, straight):
+    """In the state of the folder; the exception is passed on as it is."""
+
+    def fail():
+        raise error
+
+    with monkeypatch.context() as patch:
+        after(patch, type(SHEAR), "sheared", fail)
+        with pytest.raises(type(error)) as caught:
+            run_in_folder(SHEAR, tmp_path)
+    assert caught.value is error
+    state = state_of(tmp_path)
+    assert (state["state"], state["stage"], state["message"]) == ("failed", "shear", message)
+    assert contents(tmp_path) == ["checkpoint.npz", "checkpoint.npz.previous", "scene.toml", "state.json"]
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_an_interrupt_that_cannot_be_saved_is_a_failure(straight, tmp_path, monkeypatch):
+    """The disk is full just then."""
+    with monkeypatch.context() as patch:
+        save = run_session.Simulation.save
+
+        def full(self, path, attached=None):
+            if self.step > 0 and len(attached["records"]["rows"]):
+                raise RunFailed(f"{path}: cannot be written (No space left on device)")
+            save(self, path, attached)
+
+        patch.setattr(run_session.Simulation, "save", full)
+        after(patch, type(SHEAR), "look", interrupt, when=lambda scene, simulation, records, k: k == 8)
+        with pytest.raises(RunFailed, match=r"checkpoint.npz: cannot be written"):
+            run_in_folder(SHEAR, tmp_path)
+    state = state_of(tmp_path)
+    assert (state["state"], state["message"]) == ("failed", f"{tmp_path}/checkpoint.npz: cannot be written (No space left on device)")
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_a_blow_up_on_a_full_disk_is_told_as_the_blow_up(tmp_path, monkeypatch):
+    def blow_up(session):
+        if session.stage_name == "shear" and session.begun is not None:
+            session.simulation._state.body.rows[3, 2] = float("nan")
+            monkeypatch.setattr(run_folder, "write_json", full)
+            monkeypatch.setattr(run_session.Simulation, "save", full)
+
+    def full(*arguments):
+        raise RunFailed("cannot be written (No space left on device)")
+
+    with pytest.raises(RunFailed, match=r"at grain \d+, .*not a finite number; .* has blown up$"):
+        run_in_folder(SHEAR, tmp_path, listen=blow_up)
+
+
+def test_what_is_missing_of_a_finished_run(straight, tmp_path):
+    """Results are made again from the checkpoint; without it, they are not taken for nothing."""
+    run_in_folder(SHEAR, tmp_path)
+    whole = (tmp_path / "results.h5").read_bytes()
+    (tmp_path / "results.h5").unlink()
+    (tmp_path / "checkpoint.npz.failed").write_text("of another time")
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+    assert contents(tmp_path) == WHOLE
+    assert open_results(tmp_path / "results.h5").attrs["status"] == str(straight.status)
+    (tmp_path / "checkpoint.npz").unlink()
+    with pytest.raises(InputError, match=f"^{tmp_path}: holds results but no checkpoint to go on from; begin anew in another folder$"):
+        run_in_folder(SHEAR, tmp_path, resume=True)
+    assert len((tmp_path / "results.h5").read_bytes()) == len(whole)
+
+
+def test_the_run_that_is_given_is_the_one_in_the_file(tmp_path):
+    run = run_in_folder(SHEAR, tmp_path)
+    stored = open_results(tmp_path / "results.h5")
+    for name in ("seconds", "saving_seconds", "grain_steps"):
+        assert stored.attrs[name] == run.provenance[name]
+
+
+def test_a_finished_run_is_saved_once_for_each_stage(tmp_path, monkeypatch):
+    """Between stages, and at the end."""
+    saves = []
+    save = Keeper.save
+    monkeypatch.setattr(Keeper, "save", lambda keeper: [saves.append(keeper.session.stage_name), save(keeper)][1])
+    run_in_folder(SHEAR, tmp_path, every=1e9)
+    assert saves == ["relax", "shear", "end"]
+
+
+def test_a_folder_in_the_way_is_named(tmp_path):
+    (tmp_path / "results.h5").mkdir()
+    with pytest.raises(InputError, match=r"^[^\n]*results.h5: cannot be removed \("):
+        run_in_folder(SHEAR, tmp_path)
+    assert contents(tmp_path) == ["results.h5"]
