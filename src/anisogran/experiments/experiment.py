@@ -1,5 +1,6 @@
 """What all experiments share: a checked record of what the user asked for, and how it is run."""
 
+import math
 from typing import ClassVar
 
 import xarray as xr
@@ -7,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status, shown
-from anisogran.scenes.keys import checked_values
+from anisogran.scenes.keys import MANY, checked_values
 
 
 class Experiment(BaseModel):
@@ -36,7 +37,7 @@ class Experiment(BaseModel):
     def run(self, progress=None, folder=None, resume=False):
         """The Run. `progress(fraction)` is called several times a second.
 
-        With `folder`, a path, the run keeps itself there (see run_folder.py): results.h5, whole at any time, and a checkpoint, from which
+        With `folder`, a path, the run keeps itself there (see runs/folder.py): results.h5, whole at any time, and a checkpoint, from which
         resume=True goes on bit for bit; Ctrl-C and SIGTERM then raise Interrupted after saving. Raises RunFailed naming the stage if a
         preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
         """
@@ -48,6 +49,13 @@ class Experiment(BaseModel):
         session = Session(self)
         session.go(progress and (lambda: progress(session.fraction)))
         return session.result()
+
+
+def check_rows(scene, **factors):
+    """Raises InputError if the product of the two factors, given by their keys, makes more rows of the series than MANY."""
+    if math.prod(factors.values()) > MANY:
+        told = " and ".join(f"{key} = {value:g}" for key, value in factors.items())
+        raise InputError(f"{scene}: {told} make {math.prod(factors.values()):g} rows of the series; at most {MANY:g} are kept")
 
 
 def spread_evenly(frames, discarded, samples):

@@ -15,7 +15,7 @@ import numpy as np
 from anisogran.averaging import Rings, densities, drift, extensive_needs, field_profiles
 from anisogran.dem import Friction, Grains, Linear, Luding, Pressure, Ring, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
+from anisogran.experiments.experiment import Experiment, check_rows, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
@@ -71,6 +71,13 @@ class RingShear(Experiment):
             raise InputError(f"RingShear: inner_radius = {self.inner_radius:g} m must be at least two mean diameters to carry a rough ring")
         if round(self.block * self.samples_per_diameter) < 1:
             raise InputError(f"RingShear: block = {self.block:g} holds no sample; there are {self.samples_per_diameter} in a diameter")
+        check_rows("RingShear", travel=self.travel, samples_per_diameter=self.samples_per_diameter)
+        discarded, samples, a_block = self.counts()
+        if samples - discarded < a_block:  # travel, discard and block are rounded each
+            raise InputError(
+                f"RingShear: travel = {self.travel:g} less discard = {self.discard:g} leaves {samples - discarded} samples, "
+                f"fewer than the {a_block} of a block"
+            )
         # a disc of uniform radius with ratio q has the mean square (q^2 + q + 1) / (3 ((q + 1)/2)^2) of its mean radius
         q, d = self.size_ratio, self.mean_diameter
         area = self.grains * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
@@ -78,16 +85,20 @@ class RingShear(Experiment):
         if gap < 4.5 * d:
             raise InputError(f"RingShear: grains = {self.grains} fill a gap of {gap / d:.1f} mean diameters; 4.5 are needed for profiles")
 
+    def counts(self):
+        """Samples that are not averaged, samples in all, and samples of a block."""
+        return tuple(round(travel * self.samples_per_diameter) for travel in (self.discard, self.travel, self.block))
+
     def stages(self):
         """Relax: press together without friction, damped, until the outer ring is in equilibrium; shear: turn the inner ring."""
         radius, _ = self.radii()
         dt = quasi_static_step(self.contact, self.friction, sphere_mass(radius, self.density))
         between = max(1, round(self.mean_diameter / self.wall_speed / self.samples_per_diameter / dt))
-        samples = round(self.travel * self.samples_per_diameter)
+        _, samples, _ = self.counts()
         gate = equilibrium(self.contact.stiffest, self.stress_error)
         return (
             Stage("relax", 5000 * np.arange(1, ATTEMPTS + 1), begin=self.loose, gate=gate, expected=15),
-            Stage("shear", between * np.arange(1, samples + 1), begin=self.turned, look=self.look),
+            Stage("shear", between * np.arange(samples + 1), begin=self.turned, look=self.look),
         )
 
     def radii(self):
@@ -150,18 +161,17 @@ class RingShear(Experiment):
         return Rings(self.inner_radius + d * np.arange(math.floor((outer - self.inner_radius) / d) + 1), np.empty(0))
 
     def look(self, simulation, records, k):
-        """Records a row, some snapshots, and after the discarded travel the sums for the profiles."""
-        discarded, samples = (round(travel * self.samples_per_diameter) for travel in (self.discard, self.travel))
+        """Records a row, some snapshots, and after the discarded travel the sums for the profiles; before the first step a snapshot."""
         snapshot = simulation.snapshot()
-        records.rows.append(self.measure(simulation))
-        sample = k + 1
-        if sample > discarded:
-            a_block = round(self.block * self.samples_per_diameter)
-            records.add_to_blocks(densities(snapshot, self.place(simulation), extensive_needs(PROFILES)), a_block)
         if k == 0:
             records.snapshots["start"] = snapshot
-        if sample in spread_evenly(self.frames, discarded, samples):
-            records.snapshots[frame_name(sample)] = snapshot
+            return
+        discarded, samples, a_block = self.counts()
+        records.rows.append(self.measure(simulation))
+        if k > discarded:
+            records.add_to_blocks(densities(snapshot, self.place(simulation), extensive_needs(PROFILES)), a_block)
+        if k in spread_evenly(self.frames, discarded, samples):
+            records.snapshots[frame_name(k)] = snapshot
         records.snapshots["end"] = snapshot
 
     def fields(self, records, simulation):

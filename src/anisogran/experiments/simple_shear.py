@@ -17,7 +17,7 @@ from anisogran import tensors
 from anisogran.averaging import average, drift, mean_and_error
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly, squeezed
+from anisogran.experiments.experiment import Experiment, check_rows, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
@@ -69,6 +69,7 @@ class SimpleShear(Experiment):
             raise InputError(f"SimpleShear: inertial_number = {self.inertial_number:g} and rate = {self.rate:g} 1/s: give one of them")
         if self.strain < self.discard + 0.5:
             raise InputError(f"SimpleShear: strain = {self.strain:g} must be at least discard + 0.5 = {self.discard + 0.5:g}")
+        check_rows("SimpleShear", strain=self.strain, samples_per_strain=self.samples_per_strain)
 
     def stages(self):
         """Prepare: press together, without friction and damped, or compress to the area fraction; relax; shear."""
@@ -155,15 +156,15 @@ class SimpleShear(Experiment):
         return Simulation(replace(grains, velocity=affine), self.contact, boundary=cell, dt=self.step(radius))
 
     def stopped(self, compressed):
-        """The Simulation of the compressed sample in a cell that rests, left to its dashpots.
+        """The Simulation of the compressed sample in a cell that rests, with background damping.
 
-        As a whole it rests too: no contact would ever stop a common drift in a periodic cell.
+        Where grains hardly touch, dashpots alone would take for ever; and a common drift no contact would ever stop.
         """
         width, height = compressed.walls.lattice[:2]
         velocity = compressed.velocity
         velocity[:, 1] += self.closing_rate(compressed.grains.radius) * compressed.position[:, 1]
-        velocity -= np.average(velocity, axis=0, weights=compressed.grains.mass)
-        return compressed.next_stage(boundary=Periodic(width, height), velocity=velocity)
+        drag = background_drag(self.contact, compressed.grains.mass)
+        return compressed.next_stage(boundary=Periodic(width, height), velocity=velocity, drag=drag)
 
     def calm(self, simulation):
         """A gate: at a given volume the grains may have no contact, but they move less than the flow will move them over a diameter."""
