@@ -18,6 +18,7 @@ from anisogran.experiments import simple_shear
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
+from anisogran.runs.session import Session
 from anisogran.runs.stages import Stage, equilibrium
 
 
@@ -199,6 +200,35 @@ def test_shear_at_constant_volume():
     assert "vertical" not in str(run.status)
 
 
+@pytest.mark.parametrize(("area_fraction", "inertial_number"), [(0.45, 0.01), (0.8, 1e-3), (0.9, 1e-4)])
+def test_any_volume_is_brought_to_rest(area_fraction, inertial_number):
+    """Loose grains too, whose few contacts would take for ever: dashpots alone left the first two in motion after 200 looks."""
+    session = Session(SimpleShear(grains=60, area_fraction=area_fraction, inertial_number=inertial_number))
+
+    class AtRestError(Exception):
+        pass
+
+    def leave():
+        if session.stage_name == "shear":
+            raise AtRestError
+
+    with pytest.raises(AtRestError):
+        session.go(leave)
+    scene, simulation = session.scene, session.simulation
+    assert not scene.calm(simulation)
+    # the centre of mass rests better than the grains: there is nothing that drifts
+    drift = np.average(simulation.velocity, axis=0, weights=simulation.grains.mass)
+    assert np.hypot(*drift) < scene.shear_rate(simulation.grains.radius) * scene.mean_diameter
+    assert scene.sheared(simulation).effects["drag"] is None
+
+
+def test_the_ring_begins_before_its_first_step(ring):
+    """The first snapshot is of the prepared sample, the first row of the first sample of travel."""
+    assert ring.snapshots["start"].time == 0.0
+    assert float(ring.series.time[0]) == pytest.approx(float(ring.series.time[1]) / 2)
+    assert len(ring.series.time) == round(ring.scene.travel * ring.scene.samples_per_diameter)
+
+
 def test_the_rate_of_shear_is_said_once():
     assert SimpleShear().inertial_number == 0.01
     assert SimpleShear(rate=0.2).inertial_number is None
@@ -326,6 +356,15 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         (lambda: RingShear(grains=60), "grains = 60 fill a gap of 1.4 mean diameters; 4.5 are needed"),
         (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
         (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),
+        (
+            lambda: RingShear(travel=2.5, discard=1.9, block=0.6, samples_per_diameter=1),
+            "travel = 2.5 less discard = 1.9 leaves 0 samples, fewer than the 1 of a block",
+        ),
+        (
+            lambda: RingShear(travel=1e9),
+            r"RingShear: travel = 1e\+09 and samples_per_diameter = 20 make 2e\+10 rows of the series; at most",
+        ),
+        (lambda: SimpleShear(strain=1e9), r"SimpleShear: strain = 1e\+09 and samples_per_strain = 50 make 5e\+10 rows of the series"),
         (lambda: SimpleShear(inertial_number=0.1, rate=0.2), "inertial_number = 0.1 and rate = 0.2 1/s: give one of them"),
         (lambda: SimpleShear(area_fraction=0.3), "SimpleShear: area_fraction = 0.3 must be above 0.4"),
         (lambda: SimpleShear(rate=0.0), "SimpleShear: rate = 0 must be above 0 1/s"),
