@@ -41,13 +41,13 @@ def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
         session = taken_up(scene, folder) if resume else Session(scene)
         if session.is_over and state_of(folder)["state"] == "finished" and (folder / "results.h5").exists():
             return session.result()
+        keeper = Keeper(session, folder, every)
         if session.simulation is None:
             clear(folder)
-        write_text(folder / "scene.toml", scene_text(scene))
-        keeper = Keeper(session, folder, every)
-        keeper.tell("running")
         with stops_noted(session) as stop:
             try:
+                write_text(folder / "scene.toml", scene_text(scene))
+                keeper.tell("running")
                 session.go(lambda: keeper.hear(stop, listen))
                 run = keeper.finish()
             except KeyboardInterrupt:

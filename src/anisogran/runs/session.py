@@ -25,7 +25,7 @@ class Session:
         self.records = Records()
         self.grain_steps, self.seconds = 0, 0.0  # in the time loop, compilation left out
         self.saving = 0.0  # seconds that went into files, in this process
-        self.beginning = False  # while a stage begins nothing is half done: an interrupt may come at any moment
+        self.beginning = True  # before the first step, and while a stage begins: nothing is half done, an interrupt may come at any moment
         self._clock = None  # when the time loop was entered or last listened to, and the step
 
     def go(self, listen=None):
@@ -37,6 +37,7 @@ class Session:
             stage = self.stages[self.stage]
             if self.begun is None:
                 self._begin(stage, listen)
+            self.beginning = False
             while self.marks < len(stage.marks):
                 self._run_to(self.begun + int(stage.marks[self.marks]), listen)
                 if stage.look is not None:
