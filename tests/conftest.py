@@ -1,7 +1,15 @@
 """Floating-point trouble is an error in the tests, and randomness is seeded."""
 
+import signal
+
 import numpy as np
 import pytest
+
+
+@pytest.fixture(autouse=True, scope="session")
+def hear_interrupts():
+    """Also where the tests run in the background of a shell, which has them ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True)
