@@ -1,13 +1,17 @@
 """Signals and mistakes at the worst moments: what is on the disk is whole and true, whatever a run was doing."""
 
 import os
+import platform
 import signal
 import threading
+import time
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from test_run_folder import SHEAR, WHOLE, assert_same, contents
 
+import anisogran
 from anisogran import InputError
 from anisogran import open as open_results
 from anisogran.outcome import Interrupted, RunFailed
@@ -90,6 +94,22 @@ def test_an_interrupt_that_the_compiler_swallows_is_heard_all_the_same(straight,
             run_in_folder(SHEAR, tmp_path)
     assert Session.load(tmp_path / "checkpoint.npz", SHEAR).begun == 0
     assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_a_run_that_is_taken_up_can_be_left_while_it_is_compiled(straight, tmp_path, monkeypatch):
+    """In another process the kernels of its stage may have to be made anew; that is no time of the time loop."""
+    with pytest.raises(Interrupted):
+        run_in_folder(SHEAR, tmp_path, listen=lambda session: interrupt() if len(session.records.rows) == 8 else None)
+    compile_ = run_session.Simulation.compile
+    with monkeypatch.context() as patch:
+        patch.setattr(run_session.Simulation, "compile", lambda self: interrupt())
+        with pytest.raises(Interrupted, match="interrupted in stage shear, "):
+            run_in_folder(SHEAR, tmp_path, resume=True, listen=lambda session: pytest.fail("it ran"))
+    with monkeypatch.context() as patch:
+        patch.setattr(run_session.Simulation, "compile", lambda self: [time.sleep(1.0), compile_(self)])
+        run = run_in_folder(SHEAR, tmp_path, resume=True)
+    assert_same(run, straight)
+    assert run.provenance["seconds"] < 1.0
 
 
 def test_a_signal_at_the_very_end_does_not_get_lost(straight, tmp_path, monkeypatch):
@@ -207,6 +227,15 @@ def test_what_is_missing_of_a_finished_run(straight, tmp_path):
     with pytest.raises(InputError, match=f"^{tmp_path}: holds results but no checkpoint to go on from; begin anew in another folder$"):
         run_in_folder(SHEAR, tmp_path, resume=True)
     assert len((tmp_path / "results.h5").read_bytes()) == len(whole)
+
+
+def test_nothing_that_is_kept_tells_of_the_machine(straight, tmp_path):
+    """Neither folder nor home, user nor host."""
+    run_in_folder(SHEAR, tmp_path / "somewhere")
+    words = ["somewhere", str(tmp_path), os.getcwd(), os.path.expanduser("~"), platform.node(), str(Path(anisogran.__file__).parent)]
+    for name in WHOLE:
+        content = (tmp_path / "somewhere" / name).read_bytes()
+        assert not [word for word in words if word.encode() in content]
 
 
 def test_the_run_that_is_given_is_the_one_in_the_file(tmp_path):

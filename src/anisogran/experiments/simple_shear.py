@@ -87,7 +87,7 @@ class SimpleShear(Experiment):
             steps = self.compression_steps(radius, dt)
             prepare = Stage("prepare", np.array([steps]), begin=self.compressed)
             relax = Stage(
-                "relax", max(1, steps // 10) * np.arange(1, ATTEMPTS + 1), begin=self.stopped, gate=self.calm, expected=2
+                "relax", max(1, steps // 10) * np.arange(1, ATTEMPTS + 1), begin=self.stopped, gate=self.calm, expected=4
             )  # fmt: skip
         return prepare, relax, Stage("shear", shearing, begin=self.sheared, look=self.look)
 

@@ -37,6 +37,8 @@ class Session:
             stage = self.stages[self.stage]
             if self.begun is None:
                 self._begin(stage, listen)
+            elif self.beginning:  # taken up in the midst of it
+                self.simulation.compile()
             self.beginning = False
             while self.marks < len(stage.marks):
                 self._run_to(self.begun + int(stage.marks[self.marks]), listen)
