@@ -66,9 +66,10 @@ def test_ended_while_it_is_imported(delay, call, tmp_path):
     time.sleep(delay)
     child.send_signal(signal.SIGTERM)
     _, err = child.communicate(timeout=60)
-    assert child.returncode in (130, -signal.SIGTERM, 0)  # before there is a handler the system ends it; at last it may be done
+    # before there is a handler the system ends it; where Python was making a class, it ends itself by SIGINT, which a shell tells as 130
+    assert child.returncode in (-signal.SIGTERM, 130, -signal.SIGINT, 0)
     assert "Traceback" not in err
-    if child.returncode == 130:
+    if child.returncode in (130, -signal.SIGINT):
         assert err.splitlines()[-1].startswith("anisogran: interrupted")
     if (tmp_path / "run").exists() and os.listdir(tmp_path / "run"):
         assert state_of(tmp_path / "run")["state"] in ("interrupted", "finished")
