@@ -1,11 +1,13 @@
 """Signals and mistakes at the worst moments: what is on the disk is whole and true, whatever a run was doing."""
 
+import json
 import os
 import platform
 import signal
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -236,6 +238,46 @@ def test_nothing_that_is_kept_tells_of_the_machine(straight, tmp_path):
     for name in WHOLE:
         content = (tmp_path / "somewhere" / name).read_bytes()
         assert not [word for word in words if word.encode() in content]
+
+
+def test_a_run_killed_before_its_last_results_is_finished_afterwards(straight, tmp_path):
+    """Its last checkpoint was written; state and results are those of the save before, whole but old."""
+    run_in_folder(SHEAR, tmp_path)
+    old = straight.series.isel(time=slice(3))
+    replace(straight, series=old).save(tmp_path / "results.h5")
+    told = json.loads((tmp_path / "state.json").read_text())
+    (tmp_path / "state.json").write_text(json.dumps({**told, "state": "running"}))
+    assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+    assert state_of(tmp_path)["state"] == "finished"
+    assert open_results(tmp_path / "results.h5")["series"].sizes["time"] == straight.series.sizes["time"]
+
+
+def test_the_older_checkpoint_alone_will_do(straight, tmp_path):
+    """On a file system without hard links a kill may leave no other."""
+    with pytest.raises(Interrupted):
+        run_in_folder(SHEAR, tmp_path, every=0.0, listen=lambda session: interrupt() if len(session.records.rows) == 8 else None)
+    (tmp_path / "checkpoint.npz").unlink()
+    with pytest.warns(UserWarning, match=r"going on from .*checkpoint.npz.previous, step \d+"):
+        assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
+
+
+def test_the_folder_says_so_as_soon_as_it_is_at_work(tmp_path, monkeypatch):
+    """Before the first stage begins, which may take long; and what git knows is asked before, not when a signal wants the run saved."""
+    seen = []
+    monkeypatch.setattr(run_folder, "software", lambda: seen.append("software"))
+    after(monkeypatch, type(SHEAR), "pressed", lambda: seen.append(state_of(tmp_path)["state"]))
+    run_in_folder(SHEAR, tmp_path)
+    assert seen == ["software", "running"]
+
+
+def test_who_wants_to_leave_waits_for_one_save_only(tmp_path, monkeypatch):
+    """Also when one was due, and for nobody who listens."""
+    stop, saves = threading.Event(), []
+    stop.set()
+    monkeypatch.setattr(Keeper, "save", lambda keeper: saves.append(keeper))
+    with pytest.raises(Interrupted):
+        Keeper(Session(SHEAR), tmp_path, 0.0).hear(stop, lambda session: pytest.fail("too late"))
+    assert len(saves) == 1
 
 
 def test_the_run_that_is_given_is_the_one_in_the_file(tmp_path):
