@@ -9,6 +9,7 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from test_run_folder import SHEAR, WHOLE, assert_same, contents
@@ -278,6 +279,27 @@ def test_who_wants_to_leave_waits_for_one_save_only(tmp_path, monkeypatch):
     with pytest.raises(Interrupted):
         Keeper(Session(SHEAR), tmp_path, 0.0).hear(stop, lambda session: pytest.fail("too late"))
     assert len(saves) == 1
+
+
+def test_saving_takes_a_twentieth_of_the_time_at_most(tmp_path, monkeypatch):
+    """Every ten seconds; but where it takes two seconds, every forty after the last one."""
+    now, saves = [0.0], []
+
+    def save(session, path):
+        saves.append(now[0])
+        now[0] += 2.0
+
+    monkeypatch.setattr(run_folder, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(Session, "save", save)
+    monkeypatch.setattr(Keeper, "tell", lambda keeper, state: None)
+    session = Session(SHEAR)
+    session.begun = 0
+    keeper = Keeper(session, tmp_path, 10.0)
+    while now[0] < 100:
+        keeper.hear(threading.Event(), None)
+        now[0] += 1.0
+    assert saves == [10.0, 52.0, 94.0]
+    assert session.saving == 6.0
 
 
 def test_the_run_that_is_given_is_the_one_in_the_file(tmp_path):
