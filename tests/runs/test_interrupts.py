@@ -55,7 +55,9 @@ def test_a_second_signal_in_the_midst_of_a_row_saves_no_half_of_it(straight, tmp
         with pytest.raises(KeyboardInterrupt):
             run_in_folder(SHEAR, tmp_path, every=0.0)
     assert state_of(tmp_path)["state"] == "killed"
-    assert len(Session.load(tmp_path / "checkpoint.npz", SHEAR).records.rows) <= 8
+    session = Session.load(tmp_path / "checkpoint.npz", SHEAR)
+    assert len(session.records.rows) <= 8
+    assert session.simulation.attached is None  # it is the session now, and no memory is held twice
     assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
 
 
@@ -100,7 +102,8 @@ def test_an_interrupt_that_the_compiler_swallows_is_heard_all_the_same(straight,
 
 
 def test_a_run_that_is_taken_up_can_be_left_while_it_is_compiled(straight, tmp_path, monkeypatch):
-    """In another process the kernels of its stage may have to be made anew; that is no time of the time loop."""
+    """In another process its kernels may have to be made anew; that is no time of the time loop, nor is what a listener takes."""
+    pauses = []
     with pytest.raises(Interrupted):
         run_in_folder(SHEAR, tmp_path, listen=lambda session: interrupt() if len(session.records.rows) == 8 else None)
     compile_ = run_session.Simulation.compile
@@ -110,9 +113,19 @@ def test_a_run_that_is_taken_up_can_be_left_while_it_is_compiled(straight, tmp_p
             run_in_folder(SHEAR, tmp_path, resume=True, listen=lambda session: pytest.fail("it ran"))
     with monkeypatch.context() as patch:
         patch.setattr(run_session.Simulation, "compile", lambda self: [time.sleep(1.0), compile_(self)])
-        run = run_in_folder(SHEAR, tmp_path, resume=True)
+        run = run_in_folder(SHEAR, tmp_path, resume=True, listen=lambda session: time.sleep(0.0 if pauses else pauses.append(1) or 1.0))
     assert_same(run, straight)
     assert run.provenance["seconds"] < 1.0
+
+
+def test_a_run_that_is_taken_up_is_saved_when_it_is_left_again(tmp_path, monkeypatch):
+    """In the midst of its time loop, as it was the first time."""
+    for k in (8, 15):
+        with monkeypatch.context() as patch:
+            after(patch, type(SHEAR), "look", interrupt, when=lambda scene, simulation, records, now, k=k: now == k)
+            with pytest.raises(Interrupted):
+                run_in_folder(SHEAR, tmp_path, resume=True)
+        assert len(Session.load(tmp_path / "checkpoint.npz", SHEAR).records.rows) == k + 1
 
 
 def test_a_signal_at_the_very_end_does_not_get_lost(straight, tmp_path, monkeypatch):

@@ -246,6 +246,25 @@ def test_a_run_is_taken_up_with_fewer_rows(tmp_path):
     np.testing.assert_array_equal(steps, [*fine[:30], *coarse[coarse > fine[29]]])
 
 
+def test_a_row_that_is_there_is_not_taken_again(tmp_path, monkeypatch):
+    """Left at the very step of a row, as where room must be made for the neighbour list: the next mark lies ahead."""
+    scene, path, sessions = SCENES["biaxial"], tmp_path / "checkpoint.npz", set()
+    look = Biaxial.look
+
+    def saving(self, simulation, records, k):
+        look(self, simulation, records, k)
+        if k == 6:
+            (session,) = sessions
+            session.save(path)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Biaxial, "look", saving)
+        run_in_folder(scene, tmp_path / "run", listen=sessions.add)
+    session = Session.load(path, scene.model_copy(update={"samples": 40}))
+    marks, step = session.stages[2].marks, session.simulation.step
+    assert (marks[session.marks - 1], marks[session.marks]) == (step, np.linspace(0, marks[-1], 41).astype(int)[13])
+
+
 def test_one_process_at_a_time(tmp_path):
     """A second one ends with a line that names the first; a lock that a killed process has left holds nobody up."""
     with locked(tmp_path):
@@ -292,7 +311,12 @@ def test_a_forged_checkpoint_is_refused(tmp_path):
         (None, "is no checkpoint of a run"),
         ([1, 2], "is no checkpoint of a run"),
         ({**good, "place": {**place, "stage": 7}}, "is no checkpoint of a run"),
+        ({**good, "place": {**place, "stage": -1}}, "is no checkpoint of a run"),
+        ({**good, "place": {**place, "stage": 3, "marks": 0}}, "is no checkpoint of a run"),
+        ({**good, "place": {**place, "begun": 10**9}}, "is no checkpoint of a run"),
+        ({**good, "place": {**place, "begun": "0"}}, "is no checkpoint of a run"),
         ({**good, "place": {**place, "marks": -1}}, "is no checkpoint of a run"),
+        ({**good, "place": {**place, "marks": 10**9}}, "is no checkpoint of a run"),
         ({**good, "place": {**place, "more": 0}}, "is no checkpoint of a run"),
         ({**good, "records": {"rows": {"time": np.zeros(2), "p": np.zeros(3)}, "snapshots": {}}}, "is no checkpoint of a run"),
         ({**good, "records": {"rows": {}, "snapshots": {"end": {"position": np.zeros(2)}}}}, "is no checkpoint of a run"),
@@ -413,6 +437,7 @@ def test_a_refused_stage_and_a_run_that_stops_are_failures(tmp_path, monkeypatch
     state = state_of(tmp_path)
     assert (state["state"], state["stage"]) == ("failed", "relax")
     assert state["message"].startswith("stage relax: no equilibrium")
+    assert "checkpoint.npz.failed" not in contents(tmp_path)  # the simulation itself is well
 
     def blow_up(session):
         if session.stage_name == "shear" and session.begun is not None:

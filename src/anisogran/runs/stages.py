@@ -54,7 +54,7 @@ def equilibrium(stiffness, stress_error, energy_ratio=1e-5, stress_tolerance=0.0
         force = simulation.snapshot().force
         potential = float(np.einsum("cd,cd->", force, force) / (2.0 * stiffness))
         kinetic, error = simulation.kinetic_energy(), stress_error(simulation)
-        if potential > 0 and kinetic < energy_ratio * potential and error < stress_tolerance:
+        if kinetic < energy_ratio * potential and error < stress_tolerance:
             return ""
         return (
             f"E_kin/E_pot = {kinetic:.2g}/{potential:.2g} J (wanted < {energy_ratio:g}), "
