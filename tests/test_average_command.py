@@ -71,8 +71,12 @@ def test_lammps_files_are_read_as_they_are(capsys):
 def test_what_does_not_fit_is_one_line(sheared, tmp_path, capsys):
     (tmp_path / "bad.txt").write_text("1.0 x\n")
     (tmp_path / "grains.data").write_text("")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "results.h5").touch()
     for arguments, message in [
         ([tmp_path / "none.h5"], "none.h5: cannot be read (No such file"),
+        ([tmp_path], "is a folder, not a file\n"),
+        ([tmp_path / "run"], f"run: is a folder, not a file; did you mean {tmp_path / 'run' / 'results.h5'}?"),
         ([sheared, "--on", "sphere"], "on = 'sphere' must be one of"),
         ([sheared, "--fields", "strss"], "unknown field 'strss'; did you mean stress?"),
         ([sheared, "--on", "rings"], "no axis to lay rings about"),

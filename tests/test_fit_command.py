@@ -10,7 +10,9 @@ import anisogran as ag
 from anisogran import cli
 from anisogran.cli.fit_command import NAMES
 from anisogran.cli.fit_kinds import KINDS
+from anisogran.files import read_columns, save_results
 from anisogran.models import macro_cohesion, peak_stress
+from anisogran.scenes import scene_text
 
 
 def run(capsys, *arguments):
@@ -255,6 +257,15 @@ def test_errors_come_in_three_steps(rng, tmp_path, capsys):
         np.testing.assert_allclose(found[way]["intervals_95"]["beta"], found["covariance"]["intervals_95"]["beta"], rtol=0.05)
 
 
+def test_the_scene_in_a_results_file_states_the_conditions(compressed, tmp_path):
+    assert read_columns(compressed).conditions == {"p": 100.0, "k1": 5e4, "k2": 1e5, "kc": 0.0, "mu": 0.5}
+    for scene in (ag.SimpleShear(friction=None), ag.Biaxial()):  # switched off in words, and left out
+        save_results(tmp_path / "a.h5", {}, {"scene": scene_text(scene)})
+        assert read_columns(tmp_path / "a.h5").conditions["mu"] == 0.0
+    save_results(tmp_path / "b.h5", {}, {"scene": ""})
+    assert read_columns(tmp_path / "b.h5").conditions == {}
+
+
 def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
     good = table(tmp_path / "good.txt", evolution(rng), {"p": 100})
     other = table(tmp_path / "other.txt", evolution(rng), {"p": 200})
@@ -270,11 +281,18 @@ def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "binary.txt").write_bytes(b"\xff\xfe\x00\x80")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "results.h5").touch()
+    save_results(tmp_path / "sweep.h5", {}, {"vary": "{}"})
+    save_results(tmp_path / "forged.h5", {}, {"scene": "{"})
     for arguments, message in [
         (["relaxatoin", good], "fit relaxatoin: must be one of relaxation, mohr_coulomb"),
         (["relaxation", tmp_path / "none.txt"], "none.txt: cannot be read as text (No such file or directory)"),
         (["relaxation", tmp_path / "none.h5"], "none.h5: cannot be read (No such file"),
-        (["relaxation", tmp_path], "cannot be read as text (Is a directory)"),
+        (["relaxation", tmp_path], "is a folder, not a file\n"),
+        (["relaxation", tmp_path / "run"], f"is a folder, not a file; did you mean {tmp_path / 'run' / 'results.h5'}?"),
+        (["relaxation", tmp_path / "sweep.h5"], "sweep.h5: holds all cases of a sweep; give the results.h5 in the folders"),
+        (["relaxation", tmp_path / "forged.h5"], "forged.h5: its scene is no TOML"),
         (["relaxation", tmp_path / "binary.txt"], "binary.txt: cannot be read as text (not UTF-8)"),
         (["relaxation", tmp_path / "word.txt"], "word.txt: line 3: s_D = 'x' is not a number"),
         (["relaxation", tmp_path / "ragged.txt"], "ragged.txt: line 3: 1 fields for 2 columns (eps_D, s_D)"),

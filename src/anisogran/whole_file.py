@@ -93,6 +93,14 @@ def _synchronise(folder):
             os.close(number)
 
 
+def check_no_folder(path, usual):
+    """Raises InputError if the path is a folder; it asks for the file that is usual in such a folder if there is one."""
+    path = _path(path)
+    if path.is_dir():
+        hint = f"; did you mean {path / usual}?" if (path / usual).is_file() else ""
+        raise InputError(f"{path}: is a folder, not a file{hint}")
+
+
 def read_whole(path):
     """The bytes of a file. Raises InputError, one line naming file and reason, if there is none or it is empty or too large."""
     path = _path(path)

@@ -1,6 +1,5 @@
 """Named rows of numbers, with the conditions they were measured under: from a text or CSV table, or from a results file of ours."""
 
-import json
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -9,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from anisogran.files.results import open as open_results
+from anisogran.files.toml_file import parsed_toml, reason_of
 from anisogran.outcome import InputError
+from anisogran.whole_file import check_no_folder
 
 _CONDITION = re.compile(r"#\s*([A-Za-z_]\w*)\s*=\s*(.+?)\s*$")
 _UNITS = re.compile(r"\[[^\]]*\]|\([^)]*\)")
@@ -57,33 +58,39 @@ def read_columns(path):
     in a results file gives p, mu, k1, k2 and kc. Raises InputError naming file, line, column and value.
     """
     path = Path(path)
+    check_no_folder(path, "results.h5")
     return _of_results(path) if path.suffix.lower() in (".h5", ".hdf5") else _of_text(path)
 
 
 def _of_results(path):
     tree = open_results(path)
+    if "vary" in tree.attrs:
+        raise InputError(f"{path}: holds all cases of a sweep; give the results.h5 in the folders of the cases")
     rows = {}
     for node in tree.subtree:
         if not node.path.startswith("/snapshots"):
             for name, variable in node.variables.items():
                 if variable.ndim == 1 and variable.dtype.kind in "iuf":
                     rows[f"{node.path}/{name}".lstrip("/")] = variable.values.astype(float)
-    return Columns(str(path), rows, _scene_conditions(tree.attrs.get("scene")))
+    return Columns(str(path), rows, _scene_conditions(path, tree.attrs.get("scene")))
 
 
-def _scene_conditions(scene):
-    """The conditions that a scene states; a run without friction or adhesion has 0 of it."""
-    if not isinstance(scene, str):
+def _scene_conditions(path, text):
+    """The conditions that a scene, a text in TOML, states; a run without friction has 0 of it."""
+    if not isinstance(text, str):
         return {}
-    scene = json.loads(scene)
+    try:
+        scene = parsed_toml(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: its scene is no TOML ({reason_of(error)})") from None
     found = {}
-    for path, key in _OF_SCENE.items():
+    for key, name in _OF_SCENE.items():
         value = scene
-        for part in path.split("."):
+        for part in key.split("."):
             value = value.get(part) if isinstance(value, dict) else None
         if isinstance(value, int | float):
-            found[key] = float(value)
-    if "friction" in scene and scene["friction"] is None:
+            found[name] = float(value)
+    if "kind" in scene and not isinstance(scene.get("friction"), dict):
         found["mu"] = 0.0
     return found
 

@@ -6,6 +6,7 @@ from anisogran.files.lammps import read_lammps
 from anisogran.files.mercury import read_mercury
 from anisogran.files.results import open as open_results
 from anisogran.outcome import InputError
+from anisogran.whole_file import check_no_folder
 
 CODES = ("anisogran", "lammps", "mercury")
 
@@ -20,6 +21,7 @@ def snapshot_stream(path, contacts=None, code=None, density=None, every=1):
 
     `code` is one of CODES, by default told by the name of the file. Raises InputError for options that do not fit.
     """
+    check_no_folder(path, "results.h5")
     code = code_of(path) if code is None else code
     if code not in CODES:
         raise InputError(f"{path}: code = {code!r} must be one of {', '.join(CODES)}")

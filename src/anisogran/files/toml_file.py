@@ -4,6 +4,7 @@ import re
 import tomllib
 
 from anisogran.outcome import InputError
+from anisogran.whole_file import check_no_folder
 
 LARGEST = 1_000_000  # bytes
 DEEPEST = 20  # tables and lists inside each other
@@ -16,6 +17,7 @@ _LONG_KEY = re.compile(r"""(?:\.[ \t]*+(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[^\s.,
 def read_toml(path):
     """The content of a TOML file as a dict. Raises InputError, one line with the file and the reason, if it cannot be had."""
     try:
+        check_no_folder(path, "scene.toml")
         with open(path, "rb") as file:
             data = file.read(LARGEST + 1)
     except OSError as error:
@@ -27,8 +29,7 @@ def read_toml(path):
     try:
         return parsed_toml(data.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        reason = "nested too deeply" if isinstance(error, RecursionError) else " ".join(str(error).split())
-        raise InputError(f"{path}: not a TOML file ({reason})") from None
+        raise InputError(f"{path}: not a TOML file ({reason_of(error)})") from None
 
 
 def parsed_toml(text):
@@ -45,6 +46,17 @@ def parsed_toml(text):
         level = [part for value in level for part in _parts(value)]
         depth += 1
     return content
+
+
+def reason_of(error):
+    """Why a text is no TOML, in words: of a ValueError or RecursionError."""
+    if isinstance(error, RecursionError):
+        return "nested too deeply"
+    if isinstance(error, UnicodeDecodeError):
+        return "no text in UTF-8"
+    reason = " ".join(str(error).split())
+    unquoted = reason.startswith(("Invalid value", "Expected newline"))  # biaxial, 100 kPa
+    return reason + '; words, and numbers with units, stand in quotes: "100 N/m"' * unquoted
 
 
 def _parts(value):

@@ -5,7 +5,7 @@ import math
 import re
 
 from anisogran.experiments.kinds import experiment_of
-from anisogran.files.toml_file import parsed_toml
+from anisogran.files.toml_file import parsed_toml, reason_of
 from anisogran.outcome import InputError, shown
 from anisogran.scenes.changes import nested, parsed_override
 from anisogran.scenes.tables import Place, merged, scene_of, tables_of
@@ -122,6 +122,6 @@ def scene_from(text, where):
     try:
         content = parsed_toml(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{where}: the scene is no TOML ({' '.join(str(error).split())})") from None
+        raise InputError(f"{where}: the scene is no TOML ({reason_of(error)})") from None
     experiment = experiment_of(content.pop("kind", None), f"{where}: kind")
     return scene_of(experiment, merged(experiment, {}, content, Place(where)), where)
