@@ -99,7 +99,7 @@ def test_a_bad_file_gives_one_line_that_names_it(scalar_file, old, new, words, c
 
 def test_files_that_cannot_be_read(tmp_path, capsys):
     assert "cannot be read" in run(capsys, tmp_path / "none.toml")[2]
-    assert "cannot be read" in run(capsys, tmp_path)[2]
+    assert "is a folder, not a file" in run(capsys, tmp_path)[2]
     binary = tmp_path / "binary.toml"
     binary.write_bytes(bytes(range(128, 256)))
     assert "not a TOML file" in run(capsys, binary)[2]

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.special import erf
 
 import anisogran as ag
@@ -284,6 +285,7 @@ def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "results.h5").touch()
     save_results(tmp_path / "sweep.h5", {}, {"vary": "{}"})
+    save_results(tmp_path / "rings.h5", {"blocks": xr.Dataset({"inertial_number": ("r", [0.1, 0.2])})}, {})
     save_results(tmp_path / "forged.h5", {}, {"scene": "{"})
     for arguments, message in [
         (["relaxatoin", good], "fit relaxatoin: must be one of relaxation, mohr_coulomb"),
@@ -304,6 +306,7 @@ def test_what_does_not_fit_is_one_line(rng, tmp_path, capsys, compressed):
         (["relaxation", good, "--y-error", "ds"], "good.txt: no column 'ds'"),
         (["mu_of_I", good], "good.txt: no column 'inertial_number'; there are eps_D, s_D"),
         (["mu_of_I", flow], "flow.txt: mu_of_I: I = -0.1 must be at least 0"),
+        (["mu_of_I", tmp_path / "rings.h5"], "rings.h5: no column 'inertial_number'; did you mean blocks/inertial_number?"),
         (["relaxation", compressed, "--y", "series/s_DD"], "biaxial.h5: no column 'series/s_DD'; did you mean series/s_D?"),
         (["moduli", compressed, "--x", "eps_D"], "fit moduli: takes eps_V, eps_D, sigma_V, sigma_D; no --x"),
         (["relaxation", good, good], "good.txt: is given 2 times"),

@@ -82,9 +82,11 @@ def folder(tmp_path, monkeypatch):
 def test_from_scene_to_collected_file(folder, capsys):
     """In a numbered folder, with what stands in [quick]; the group takes commands and scenes for what they are."""
     arguments = ["s.toml", "--vary", "seed=1,2", "--quick", "--set", "pressure=2", "--workers", "1", "--json", "a.json"]
+    arguments += ["--set", "contact.stiffness=100"]
     code, out, err = run(capsys, *arguments)
     assert code == 0, err
     assert "2 cases in sweep-001 on 1 worker" in out
+    assert out.count("warning: contact.stiffness = 100 N/m is 50 times the pressure of 2 N/m") == 1  # and not for each case
     assert "2 cases: 2 finished" in out
     told = json.loads((folder / "a.json").read_text())
     assert [(one["case"], one["values"], one["state"]) for one in told["cases"]] == [
@@ -98,7 +100,7 @@ def test_from_scene_to_collected_file(folder, capsys):
     assert code == 0
     assert re.search(r"series/stress_ratio +1 +seed 2, sample 28", out)
     collected = ag.open(folder / "sweep-001" / "collected.h5")
-    run_here = changed(read_scene(folder / "s.toml", ["pressure=2"], quick=True), {"seed": 2}).run()
+    run_here = changed(read_scene(folder / "s.toml", ["pressure=2", "contact.stiffness=100"], quick=True), {"seed": 2}).run()
     assert collected["series"].stress_ratio.sel(seed=2).values.tolist() == run_here.series.stress_ratio.values.tolist()
     code, _, err = run(capsys, "collect", "sweep-001")
     assert (code, "the file is there; choose another or add --force" in err) == (2, True)
@@ -209,7 +211,9 @@ def test_without_dask_one_line_says_what_to_install(folder, capsys, monkeypatch)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["s.toml"], "Missing option '--vary'"),
+        (["s.toml"], "sweep: --vary KEY=VALUES is missing; to look at a sweep: sweep status DIR, sweep collect DIR"),
+        (["full", "--vary", "seed=1"], "full: is a folder, not a file"),
+        (["status", "s.toml"], "s.toml: is no sweep, it has no sweep.json"),
         (["none.toml", "--vary", "seed=1"], "none.toml: cannot be read"),
         (["s.toml", "--vary", "seed"], "--vary seed: must be KEY=VALUES"),
         (["s.toml", "--vary", "sed=1"], "--vary sed: unknown key 'sed', did you mean 'seed'?"),

@@ -85,6 +85,7 @@ def check_value(where, name, one, value):
     return int(value) if one.whole else number
 
 
-def unknown_key(where, name, owner, known):
-    """An InputError that asks for the key most like this one; `owner` is what has the known ones."""
-    return InputError(f"{where} unknown key {shown(name)}, did you mean {closest(name, known)!r}? {owner} has {', '.join(known)}")
+def unknown_key(where, name, owner, known, elsewhere=()):
+    """An InputError that asks for this key where else it is known, or for the one most like it; `owner` is what has the known ones."""
+    meant = " or ".join(elsewhere) or repr(closest(name, known))
+    return InputError(f"{where} unknown key {shown(name)}, did you mean {meant}? {owner} has {', '.join(known)}")

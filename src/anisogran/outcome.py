@@ -68,8 +68,9 @@ def shown(value, most=60):
 
 
 def closest(word, known):
-    """Of the known names the one that is spelt most like the word, for a message that asks "did you mean ...?"."""
-    return get_close_matches(str(word)[:100], [str(name) for name in known], n=1, cutoff=0.0)[0]
+    """Of the known names the one that is spelt most like the word, in capitals or not, for a message that asks "did you mean ...?"."""
+    names = {str(name).lower(): str(name) for name in known}
+    return names[get_close_matches(str(word)[:100].lower(), names, n=1, cutoff=0.0)[0]]
 
 
 def checked(where, key, value, *, above=None, at_least=None, below=None, at_most=None, unit=""):

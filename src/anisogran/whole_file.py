@@ -96,7 +96,7 @@ def _synchronise(folder):
 def check_no_folder(path, usual):
     """Raises InputError if the path is a folder; it asks for the file that is usual in such a folder if there is one."""
     path = _path(path)
-    if path.is_dir():
+    if os.path.isdir(path):  # unlike path.is_dir() it raises nothing, however long the name
         hint = f"; did you mean {path / usual}?" if (path / usual).is_file() else ""
         raise InputError(f"{path}: is a folder, not a file{hint}")
 

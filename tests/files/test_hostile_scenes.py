@@ -28,7 +28,9 @@ HOSTILE = {  # what it is, and why it is refused; None: the text is harmless, an
     "a number of a million digits": ("a = " + "9" * 900_000, "Exceeds the limit"),
     "a number of a million bits": ("a = 0x" + "f" * 900_000, "more than 64 bits"),
     "a number of 65 bits": ("a = 9223372036854775808", "more than 64 bits"),
-    "no text": (b"\xff\xfe\x00", "can't decode byte 0xff"),
+    "no text": (b"\xff\xfe\x00", "no text in UTF-8"),
+    "a word without quotes": ("kind = biaxial", 'Invalid value .*; words, and numbers with units, stand in quotes: "100 N/m"'),
+    "a unit without quotes": ("a = 100 N/m", 'Expected newline .*; words, and numbers with units, stand in quotes: "100 N/m"'),
     "a zero": (b"a = 1\x00", "Expected newline or end of document"),
     "an open string": ('a = "' + "x" * 900_000, "Unterminated string"),
 }
@@ -53,7 +55,13 @@ def test_hostile_files(content, reason, tmp_path):
 
 
 def test_files_that_are_none(tmp_path):
-    for path, reason in ((tmp_path, "cannot be read"), (tmp_path / "none", "cannot be read"), ("a\0b", "cannot be read")):
+    (tmp_path / "scene.toml").touch()
+    for path, reason in (
+        (tmp_path, f"^{tmp_path}: is a folder, not a file; did you mean {tmp_path / 'scene.toml'}\\?$"),
+        (tmp_path / "none", "cannot be read"),
+        ("a\0b", "is no path"),
+        ("a" * 5000, "cannot be read"),
+    ):
         with pytest.raises(InputError, match=reason):
             read_toml(path)
     large = tmp_path / "large.toml"

@@ -74,6 +74,8 @@ def test_numbers_may_bring_their_unit(scene):
     [
         ('k1 = "1e5 N/mm"', "k1 = '1e5 N/mm' must have the unit N/m, or none and no quotes"),
         ('k1 = "1e5 n/m"', "k1 = '1e5 n/m' must have the unit N/m, or none and no quotes"),
+        ('k1 = "5 % N/m"', "k1 = '5 % N/m' must have the unit N/m, or none and no quotes"),
+        ('k1 = "1 µN/m"', "k1 = '1 µN/m' must have the unit N/m, or none and no quotes"),
         ('k1 = "1e5"', "k1 = '1e5' must have the unit N/m, or none and no quotes"),
         ('k1 = "nan N/m"', "k1 = 'nan N/m' is not a number"),
         ('k1 = "-1 N/m"', "k1 = -1 must be above 0 N/m"),
@@ -126,7 +128,16 @@ def test_overrides_come_last(scene):
         ("contact.k2=5", "scene.toml with --set contact.k2=5: [contact] k2 = 5 must be at least 10000 N/m (= k1)"),
         ("friction.mu=0.5", "scene.toml with --set friction.mu=0.5: [friction] stiffness is missing; friction has stiffness, mu"),
         ("kind=ring_shear", "--set kind=ring_shear: kind cannot be changed, it is biaxial"),
-        ("quick.grains=50", "--set quick.grains=50: unknown key 'quick'"),
+        ("quick.grains=50", "--set quick.grains=50: quick is a table of scene files, which the option --quick takes"),
+        ("grains=", "--set grains=: must be KEY=VALUE"),
+        ("k1=3", "--set k1=3: unknown key 'k1', did you mean contact.k1? biaxial has pressure"),
+        ("damping=3", "--set damping=3: unknown key 'damping', did you mean contact.damping or friction.damping? biaxial has"),
+        ("contact.seed=3", "--set contact.seed=3: [contact] unknown key 'seed', did you mean seed above all tables? luding has k1"),
+        ("contact.mu=3", "--set contact.mu=3: [contact] unknown key 'mu', did you mean friction.mu? luding has k1"),
+        ("contact.KC=3", "--set contact.KC=3: [contact] unknown key 'KC', did you mean 'kc'? luding has k1"),
+        ("pressure=1,5", "--set pressure=1,5: pressure = '1,5' is not a number"),
+        ("seed=1..6", "--set seed=1..6: seed = '1..6' is not a number"),
+        ("strain=5%", "--set strain=5%: strain = '5%' must be a number without quotes or unit"),
     ],
 )
 def test_a_bad_override_is_one_line(override, words, complaint):
@@ -144,7 +155,7 @@ def test_a_bad_quick_table_is_told_of_even_if_it_is_not_wanted(complaint):
             "scene.toml with [quick]: [contact] k2 = 1 must be at least 10000 N/m (= k1)"
         )
         assert complaint("quick = 3\n" + SCENE, quick=quick) == "scene.toml: quick = 3 must be a table, [quick]"
-        assert complaint(SCENE + "[quick.quick]\ngrains = 5", quick=quick).startswith("scene.toml: [quick] unknown key 'quick'")
+        assert complaint(SCENE + "[quick.quick]\ngrains = 5", quick=quick).startswith("scene.toml: [quick] quick is a table of scene files")
     assert complaint(SCENE, quick=True) == "scene.toml: has no table [quick]"
 
 

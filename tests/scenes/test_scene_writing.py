@@ -167,12 +167,13 @@ def test_doubts():
     soft = doubts_of(Biaxial(pressure=1e3, friction=Friction(10.0, 0.5)))  # k2 = 1e5 N/m is just stiff enough
     assert [doubt.split(" is ")[0] for doubt in soft] == ["contact.k1 = 50000 N/m", "friction.stiffness = 10 N/m"]
     assert doubts_of(Biaxial(density=2.0)) == ["density = 2 kg/m3 is not in 100 to 20000 kg/m3: given in g/cm3 or g/mm3?"]
-    assert doubts_of(Biaxial(mean_radius=2.0)) == ["mean_radius = 2 m: a radius not in 1e-06 to 1 m: given in mm or um?"]
+    assert doubts_of(Biaxial(mean_radius=0.2)) == []
+    assert doubts_of(Biaxial(mean_radius=0.5)) == ["mean_radius = 0.5 m: a radius not in 1e-06 to 0.2 m: given in mm or um?"]
     assert doubts_of(SimpleShear(mean_diameter=1.5e-6, density=100.0)) == [
-        "mean_diameter = 1.5e-06 m: a radius not in 1e-06 to 1 m: given in mm or um?"
+        "mean_diameter = 1.5e-06 m: a radius not in 1e-06 to 0.2 m: given in mm or um?"
     ]
     # kc may be anything: it is no stiffness that must be there
     assert doubts_of(Biaxial(contact=Luding(5e4, 1e5, 1e-3))) == []
     # density 1 alone is not reduced units
     assert len(doubts_of(Biaxial(density=1.0))) == 1
-    assert len(doubts_of(SimpleShear(density=2.0))) == 1
+    assert len(doubts_of(SimpleShear(density=2.0))) == 2  # nor is a mean diameter of 1 m

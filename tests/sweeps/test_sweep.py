@@ -273,6 +273,7 @@ def test_names_of_cases_are_safe_and_each_has_its_own():
         (["pressure=1 Pa"], "--vary pressure: pressure = '1 Pa' must have the unit N/m"),
         (["pressure=none"], "--vary pressure: pressure = 'none' is not a number"),
         (["friction=0.5"], "--vary friction: friction = 0.5 must be a table"),
+        (["contact={stiffness=3}"], "--vary contact: is a table; vary one of its keys, contact.law, contact.stiffness, contact.damping"),
         (["friction=none", "friction.mu=0.1"], "--vary friction: friction.mu lies in it; vary one of them"),
         (["strain=0.6,2", "discard=0.05,1"], "--vary strain=0.6 --vary discard=1: strain = 0.6 must be at least discard + 0.5 = 1.5"),
         (["seed=1..200", "pressure=1..200"], "--vary seed pressure: 40000 cases, at most 10000 are taken"),

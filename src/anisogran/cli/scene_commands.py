@@ -6,11 +6,11 @@ import typer
 
 from anisogran.cli.application import app
 
-Kind = Annotated[str, typer.Argument(help="Of the experiment, such as biaxial; a wrong one is answered with the list.", show_default=False)]
+Kind = Annotated[str | None, typer.Argument(metavar="KIND", help="Of the experiment, such as biaxial; without it the list is told.")]
 
 
 @app.command()
-def new(kind: Kind):
+def new(kind: Kind = None):
     """Prints a commented scene file, every key with unit, range and meaning: anisogran new biaxial > scene.toml."""
     from anisogran.experiments import experiment_of
     from anisogran.scenes import scene_template
@@ -19,7 +19,7 @@ def new(kind: Kind):
 
 
 @app.command()
-def schema(kind: Kind):
+def schema(kind: Kind = None):
     """Prints the JSON schema of scene files, for editors that complete and check them."""
     import json
 

@@ -33,14 +33,16 @@ class SweepCommand(TyperCommand):
         formatter.write_usage(context.command_path.strip(), " ".join(self.collect_usage_pieces(context)))
 
 
-sweeps = typer.Typer(cls=SweepGroup, help="Run a scene with other values, or tell of and collect such runs.", rich_markup_mode=None)
+sweeps = typer.Typer(cls=SweepGroup, help="Runs a scene with other values; tells of such runs, collects them.", rich_markup_mode=None)
 app.add_typer(sweeps, name="sweep")
 
 
 @sweeps.command(RUN, cls=SweepCommand, hidden=True)
 def sweep_scene(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML); see `anisogran new`.")],
-    vary: Annotated[list[str], typer.Option(metavar="KEY=VALUES", help="As contact.kc=0,5e4,1e5 or seed=1..6; once for each key.")],
+    vary: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUES", help="As contact.kc=0,5e4,1e5 or seed=1..6; at least one, once for each key.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder of the sweep, new or to go on with; default: a new numbered one.")] = None,
     changes: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another value, in all cases.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="With the table [quick] of the scene.")] = False,
@@ -54,6 +56,8 @@ def sweep_scene(
     Given again with the same folder, the command runs only what is not finished; values may have been added. Ctrl-C saves. See
     also `anisogran sweep status DIR` and `anisogran sweep collect DIR`.
     """
+    if not vary:
+        raise InputError("sweep: --vary KEY=VALUES is missing; to look at a sweep: sweep status DIR, sweep collect DIR")
     if scheduler is not None and workers is not None:
         raise InputError("sweep: --workers are processes of this machine; with --scheduler the scheduler has its own")
     if json_file is not None:
@@ -92,13 +96,16 @@ def run_behind_bar(base, varied, folder, scenes, executor, workers, retry):
 
     from anisogran.cli.run_display import duration
     from anisogran.runs.estimates import estimate
+    from anisogran.scenes import doubts_of
     from anisogran.sweeps import sweep
     from anisogran.sweeps.running import cores
 
     seconds, at_once = sum(estimate(scene).seconds for scene in scenes), min(workers or cores(), len(scenes))
-    on = "the workers of the scheduler" if executor else f"{at_once} {'worker' if at_once == 1 else 'workers'}"
+    on = "the workers of the scheduler" if executor else numbered(at_once, "worker")
     about = "" if executor else f", about {duration(seconds / at_once)} if none is done yet"
-    print(f"{len(scenes)} {'case' if len(scenes) == 1 else 'cases'} in {folder} on {on}{about}")
+    print(f"{numbered(len(scenes), 'case')} in {folder} on {on}{about}")
+    for doubt in dict.fromkeys(doubt for scene in scenes for doubt in doubts_of(scene)):
+        print(f"warning: {doubt}")
     columns = (TextColumn("{task.description:28}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), speed_estimate_period=600.0) as bars:
         task = bars.add_task("starting", total=1.0)
@@ -173,6 +180,11 @@ def collect(
     )
 
 
+def numbered(count, noun):
+    """ "1 case" or "3 cases"."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def tell(folder, json_file, rows=None):
     """Prints the states of the cases, no more than `rows`, and writes them to a JSON file if one is given."""
     from anisogran.sweeps import sweep_status
@@ -193,4 +205,4 @@ def tell(folder, json_file, rows=None):
     if len(states) > len(table) - 1:
         print(f"... and {len(states) - len(table) + 1} more: anisogran sweep status {folder}")
     counts = {name: sum(one["state"] == name for one in states) for name in dict.fromkeys(one["state"] for one in states)}
-    print(f"{len(states)} cases: {', '.join(f'{count} {name}' for name, count in counts.items())}")
+    print(f"{numbered(len(states), 'case')}: {', '.join(f'{count} {name}' for name, count in counts.items())}")

@@ -9,7 +9,7 @@ law = "luding"          # k1, k2, ...
 grains = 150
 """
 
-from anisogran.experiments.kinds import KINDS, experiment_of
+from anisogran.experiments.kinds import experiment_of
 from anisogran.files.toml_file import read_toml
 from anisogran.outcome import InputError, shown
 from anisogran.scenes.changes import nested, parsed_override
@@ -23,9 +23,7 @@ def read_scene(path, overrides=(), quick=False):
     [quick]. Raises InputError, one line naming file (or --set), table, key, value and bound.
     """
     content = read_toml(path)
-    if "kind" not in content:
-        raise InputError(f"{path}: kind is missing; it must be one of {', '.join(KINDS)}")
-    experiment = experiment_of(content.pop("kind"), f"{path}: kind")
+    experiment = experiment_of(content.pop("kind", None), f"{path}: kind")
     smaller = content.pop("quick", None)
     tables, defaults, where = merged(experiment, {}, content, Place(path)), tables_of(experiment()), str(path)
     scene = scene_of(experiment, tables, where)

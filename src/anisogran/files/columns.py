@@ -38,9 +38,9 @@ class Columns:
                 return self.rows[candidate]
         if isinstance(self.conditions.get(name), float):
             return np.array([self.conditions[name]])
-        known = [*self.rows, *(row.rsplit("/", 1)[-1] for row in self.rows), *self.conditions]
+        known = {row.rsplit("/", 1)[-1]: row for row in self.rows} | {one: one for one in [*self.rows, *self.conditions]}
         close = get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(self.rows) or 'none'}"
+        hint = f"did you mean {known[close[0]]}?" if close else f"there are {', '.join(self.rows) or 'none'}"
         raise InputError(f"{self.path}: no column {name!r}; {hint}")
 
     def has(self, name, groups=()):

@@ -16,14 +16,12 @@ _LONG_KEY = re.compile(r"""(?:\.[ \t]*+(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[^\s.,
 
 def read_toml(path):
     """The content of a TOML file as a dict. Raises InputError, one line with the file and the reason, if it cannot be had."""
+    check_no_folder(path, "scene.toml")
     try:
-        check_no_folder(path, "scene.toml")
         with open(path, "rb") as file:
             data = file.read(LARGEST + 1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError as error:  # a name that no file can have
-        raise InputError(f"{path!r}: cannot be read ({error})") from None
     if len(data) > LARGEST:
         raise InputError(f"{path}: larger than {LARGEST} bytes, nothing that somebody wrote")
     try:

@@ -17,7 +17,7 @@ def changed(scene, changes):
 def parsed_override(text, option):
     """(key, value) of a text KEY=VALUE; the value as TOML, or else the text itself. Raises InputError, which begins with `option`."""
     key, equals, value = text.partition("=")
-    if not equals or not key.strip():
+    if not equals or not key.strip() or not value.strip():
         raise InputError(f"{option}: must be KEY=VALUE, such as contact.kc=1e5")
     try:
         content = parsed_toml(f"value = {value}")

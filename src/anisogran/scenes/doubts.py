@@ -4,7 +4,7 @@ from anisogran.scenes.keys import keys_of
 
 STIFFNESS = 1e2, 1e7  # over pressure: softer grains overlap by more than a per cent or so, harder ones take ages
 DENSITY = 100.0, 2e4  # kg/m3: foam to gold
-RADIUS = 1e-6, 1.0  # m: dust to boulders
+RADIUS = 1e-6, 0.2  # m: dust to cobbles; grains given in mm are mostly above
 
 
 def doubts_of(scene):

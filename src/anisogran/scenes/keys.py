@@ -50,6 +50,13 @@ def name_of(record):
     return getattr(record, "kind", record.__name__.lower())
 
 
+def homes(experiment, name):
+    """Where an experiment has a key of that name, in words for a message; a list."""
+    keys = keys_of(experiment)
+    tables = [table for table, one in keys.items() if any(name in keys_of(record) for record in one.records)]
+    return [f"{name} above all tables"] * (name in keys) + [f"{table}.{name}" for table in tables]
+
+
 def checked_values(experiment, values):
     """The values (a dict) of an experiment, each checked by itself; raises InputError with one line for the first that is wrong.
 
@@ -80,8 +87,10 @@ def _likely(records, table):
 
 
 def chosen(records, name, where):
-    """The record with that name in a file. Raises InputError with the nearest one."""
+    """The record with that name in a file, None if it is not given. Raises InputError with the nearest one."""
     known = {name_of(record): record for record in records}
+    if name is None:
+        raise InputError(f"{where} is missing; it must be one of {', '.join(known)}")
     if not isinstance(name, str) or name not in known:
         guess = f"; did you mean {closest(name, known)!r}?" if isinstance(name, str) else ""
         raise InputError(f"{where} = {shown(name)} must be one of {', '.join(known)}{guess}")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from anisogran.keys import check_value, unknown_key
 from anisogran.outcome import InputError, shown
-from anisogran.scenes.keys import built, chosen, keys_of, name_of
+from anisogran.scenes.keys import built, chosen, homes, keys_of, name_of
 
 NONE = "none"  # what a file says for None
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"  # also in the JSON schema
@@ -56,8 +56,11 @@ def merged(experiment, tables, changes, place, absent=None):
     for name, value in changes.items():
         if name == "kind":
             raise InputError(f"{place} kind cannot be changed, it is {experiment.kind}")
+        if name == "quick":
+            raise InputError(f"{place} quick is a table of scene files, which the option --quick takes")
         if name not in keys:
-            raise unknown_key(place, name, experiment.kind, [*keys, "quick"] if absent is None else keys)
+            known = [*keys, "quick"] if absent is None else keys
+            raise unknown_key(place, name, experiment.kind, known, homes(experiment, name))
         one = keys[name]
         if not one.records:
             result[name] = plain_value(one, name, value, place)
@@ -67,27 +70,25 @@ def merged(experiment, tables, changes, place, absent=None):
             result[name] = table_of(one, value)
         elif isinstance(value, dict):
             start = None if absent is None else tables.get(name, absent[name])
-            result[name] = _merged_table(one.records, start or {}, value, place.inside(name))
+            result[name] = _merged_table(experiment, one.records, start or {}, value, place.inside(name))
         else:
             off = f', or "{NONE}"' * one.optional
             raise InputError(f"{place} {name} = {shown(value)} must be a table, [{place.inside(name).table}]{off}")
     return result
 
 
-def _merged_table(records, start, changes, place):
+def _merged_table(experiment, records, start, changes, place):
     """As `merged`, for a table inside; another law begins anew."""
     choice, record = {}, records[0]
     if len(records) > 1:
         law = changes.get("law", start.get("law"))
-        if law is None:
-            raise InputError(f"{place} law is missing; it must be one of {', '.join(map(name_of, records))}")
         record = chosen(records, law, f"{place} law")
         changes = {name: value for name, value in changes.items() if name != "law"}
         choice, start = {"law": law}, start if start.get("law") == law else {}
     keys, values = keys_of(record), {}
     for name, value in changes.items():
         if name not in keys:
-            raise unknown_key(place, name, name_of(record), keys)
+            raise unknown_key(place, name, name_of(record), keys, homes(experiment, name))
         values[name] = plain_value(keys[name], name, value, place)
     return choice | start | values
 
@@ -99,9 +100,10 @@ def plain_value(one, name, value, place):
     if isinstance(value, str):
         if value == NONE and one.optional:
             return None
-        number, unit = re.fullmatch(rf"\s*({NUMBER})?(.*)", value, re.DOTALL).groups()
-        if number is None:
+        said = re.fullmatch(rf"\s*({NUMBER})\s*((?:[^\W\d]|%).*)?\s*", value)  # what begins with a comma is no unit
+        if said is None:
             raise InputError(f"{place} {name} = {shown(value)} is not a number")
+        number, unit = said[1], said[2] or ""
         if not one.suffix:
             raise InputError(f"{place} {name} = {shown(value)} must be a number without quotes or unit")
         if unit.strip() != one.unit:

@@ -97,7 +97,7 @@ def value_of(tables, key):
     for name in key.split("."):
         tables = tables[name]
     if isinstance(tables, dict):
-        raise InputError(f"--vary {key}: is a table; vary one of its keys, {key}.{', '.join(tables)}, or give none")
+        raise InputError(f"--vary {key}: is a table; vary one of its keys, {', '.join(f'{key}.{name}' for name in tables)}")
     return tables
 
 

@@ -57,7 +57,7 @@ def read_sweep(folder):
         scene, vary = scene_from(told["scene"], str(path)), dict(told["vary"])
         cases = {name: tuple(values) for name, values in told["cases"].items()}
         plain, scenes = case_scenes(scene, vary)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise InputError(f"{folder}: is no sweep, it has no sweep.json") from None
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         reason = str(error).removeprefix(f"{path}: ") if isinstance(error, InputError) else f"damaged, {' '.join(repr(error).split())}"
