@@ -61,7 +61,8 @@ def test_none_switches_off(scene):
     assert scene('kind = "ring_shear"\nfriction = "none"').friction is None
     assert scene('kind = "simple_shear"\ninertial_number = "none"\nrate = 0.2') == SimpleShear(rate=0.2)
     assert scene(SCENE + 'plastic_depth = "none"\n') == scene(SCENE)
-    assert scene('kind = "ring_shear"', "friction=none").friction is None
+    for override in ("friction=none", " friction = none "):
+        assert scene('kind = "ring_shear"', override).friction is None
 
 
 def test_numbers_may_bring_their_unit(scene):
@@ -157,6 +158,28 @@ def test_a_bad_quick_table_is_told_of_even_if_it_is_not_wanted(complaint):
         assert complaint("quick = 3\n" + SCENE, quick=quick) == "scene.toml: quick = 3 must be a table, [quick]"
         assert complaint(SCENE + "[quick.quick]\ngrains = 5", quick=quick).startswith("scene.toml: [quick] quick is a table of scene files")
     assert complaint(SCENE, quick=True) == "scene.toml: has no table [quick]"
+
+
+def test_tables_in_python():
+    """A dict is the law that has all its keys; a record replaces another, and None what is optional."""
+    assert Biaxial(contact={"k1": 1e4, "k2": 5e4, "damping": 0.1}).contact == Luding(1e4, 5e4, damping=0.1)
+    assert Biaxial(contact={"stiffness": 1e4, "damping": 0.1}).contact == Linear(1e4, 0.1)
+    for contact in (Linear(1e5), Luding(1e4, 5e4)):
+        assert changed(RingShear(), {"contact": contact, "friction": None}) == RingShear(contact=contact, friction=None)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Friction(1e4, None), "Friction: mu = None is not a number"),
+        (lambda: Biaxial(pressure=None), "Biaxial: pressure = None is not a number"),
+        (lambda: Biaxial(contact=None), "Biaxial: contact = None must be Linear or Luding"),
+    ],
+)
+def test_nothing_is_no_value_of_what_must_be_there(make, words):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert str(caught.value) == words
 
 
 MISTAKES = [

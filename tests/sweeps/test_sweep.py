@@ -236,7 +236,10 @@ def test_values_in_words():
     plain, scenes = case_scenes(SCENE, {"contact.stiffness": ["1e3 N/m", 2000], "friction": ["none"]})
     assert plain == {"contact.stiffness": [1000.0, 2000.0], "friction": [None]}
     assert scenes[2000.0, None] == changed(SCENE, {"contact.stiffness": 2e3, "friction": None})
-    assert case_scenes(SCENE, {"seed": np.arange(2)})[0] == {"seed": [0, 1]}
+    for seeds in (np.arange(2), [0.0, 1.0], [0, 1.0]):
+        plain = case_scenes(SCENE, {"seed": seeds})[0]["seed"]
+        assert plain == [0, 1]
+        assert [type(seed) for seed in plain] == [int, int]  # as they are labelled
 
 
 @pytest.mark.parametrize(("value", "text"), [(5e4, "50000"), (1e9, "1e9"), (1e-7, "1e-7"), (0.1 + 0.2, "0.30000000000000004"), (3, "3")])
@@ -293,6 +296,12 @@ def test_what_cannot_be_varied_is_one_line(texts, message, tmp_path):
 def test_what_is_no_dict_of_values_is_refused(vary, tmp_path):
     with pytest.raises(InputError):
         ag.sweep(SCENE, vary, tmp_path / "s")
+
+
+@pytest.mark.parametrize("scene", ["s.toml", SimpleShear, None])
+def test_what_is_no_experiment_is_refused(scene, tmp_path):
+    with pytest.raises(InputError, match=r"scene = .* must be an experiment, such as Biaxial\(pressure=100.0\) or read_scene\(file\)"):
+        ag.sweep(scene, VARY, tmp_path / "s")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from anisogran.files.provenance import software
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError
 from anisogran.snapshot import Snapshot, frames
-from anisogran.whole_file import DIGITS, check_target, read_whole, seal, write_whole
+from anisogran.whole_file import DIGITS, check_no_folder, check_target, read_whole, seal, write_whole
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 MARK = b"\nresults of anisogran, SHA-256 "
@@ -89,6 +89,7 @@ def open(path):
     whatever it holds. Files without a good seal never reach the HDF5 library; this library has had faults that a file forged with a good
     seal could use, so open results of people whom you do not trust in a sandbox only.
     """
+    check_no_folder(path, "results.h5")
     content = read_whole(path)
     if content[-len(MARK) - DIGITS : -DIGITS] != MARK:
         raise InputError(f"{path}: {_without_seal(content)}")

@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 
+from anisogran.experiments.experiment import Experiment
 from anisogran.experiments.kinds import experiment_of
 from anisogran.files.toml_file import parsed_toml, reason_of
 from anisogran.outcome import InputError, shown
@@ -48,6 +49,8 @@ def case_scenes(scene, vary):
     """
     if not isinstance(vary, dict) or not vary:
         raise InputError(f"vary = {shown(vary)} must be a dict of keys and their values, such as {{'contact.kc': [0, 5e4]}}")
+    if not isinstance(scene, Experiment):
+        raise InputError(f"scene = {shown(scene)} must be an experiment, such as Biaxial(pressure=100.0) or read_scene(file)")
     experiment, tables = type(scene), tables_of(scene)
     defaults = tables_of(experiment())
 
