@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
@@ -157,6 +158,14 @@ def test_a_schema_takes_units_and_none_where_the_reader_does():
         ("seed", True),
     ):
         assert not check(scene | {key: value})
+
+
+def test_whatever_numbers_a_record_was_made_of_are_plain_in_its_text(tmp_path):
+    path = tmp_path / "scene.toml"
+    for number in (np.float64(1e5), np.int64(100_000), 100_000):
+        path.write_text(scene_text(Biaxial(contact=Linear(number), grains=np.int64(50), pressure=np.float64(2.0))))
+        assert "stiffness = 100000.0 " in path.read_text()
+        assert read_scene(path) == Biaxial(contact=Linear(1e5), grains=50, pressure=2.0)
 
 
 def test_doubts():

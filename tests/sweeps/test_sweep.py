@@ -123,6 +123,22 @@ def test_values_can_be_added(folder, threads):
     assert same(collected, {"contact_stiffness": 1000.0, "seed": 1}, changed(SCENE, {"contact.stiffness": 1e3, "seed": 1}).run())
 
 
+def test_added_values_leave_the_cases_their_names(folder, threads):
+    """Names that are counted stay with their cases; new ones take what is free."""
+    told = json.loads((folder / "sweep.json").read_text())
+    names = {name: f"case-{k:04d}" for k, name in enumerate(told["cases"], start=1)}
+    for name, other in names.items():
+        (folder / name).rename(folder / other)
+    cases = {names[name]: values for name, values in told["cases"].items()}
+    (folder / "sweep.json").write_text(json.dumps({**told, "cases": cases}))
+    before = times_of(folder)
+    ag.sweep(SCENE, VARY | {"seed": [0, 1, 2]}, folder, executor=threads)
+    assert {path for path, time in times_of(folder).items() if before.get(path, time) != time} == {Path("sweep.json")}
+    after = json.loads((folder / "sweep.json").read_text())["cases"]
+    assert {name: after[name] for name in cases} == cases
+    assert set(after) - set(cases) == {"contact.stiffness_1000-seed_0", "contact.stiffness_2000-seed_0"}
+
+
 def test_only_what_is_not_finished_is_run_again(folder, threads):
     """Killed and interrupted ones go on from their checkpoints, which are at the end; one whose folder is gone begins anew."""
     names = list(states(folder))
@@ -387,6 +403,12 @@ def test_whatever_a_list_of_cases_holds_only_an_input_error_comes_out(place, val
     path.write_text(json.dumps(value if place == "all" else {**told, place: value})[: cut if place == "cases" else None])
     with contextlib.suppress(InputError):
         ag.sweep_status(folder)
+
+
+def test_a_sweep_that_was_killed_at_once_can_be_begun_again(tmp_path, threads):
+    for name in ("lock", "sweep.json.tmp"):
+        (tmp_path / name).touch()
+    assert len(ag.sweep(SCENE, {"seed": [1]}, tmp_path, executor=threads)) == 1
 
 
 def test_a_look_at_a_folder_turns_no_run_away(tmp_path):

@@ -15,6 +15,7 @@ from anisogran.files import write_json, write_text
 from anisogran.outcome import InputError
 from anisogran.runs.folder import made_folder, state_of
 from anisogran.runs.session import differing
+from anisogran.scenes.changes import changed
 from anisogran.scenes.writing import scene_text
 from anisogran.sweeps.cases import NAME, case_name, case_scenes, scene_from, text_of
 
@@ -54,9 +55,9 @@ def read_sweep(folder):
     path = Path(folder) / "sweep.json"
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
-        scene, vary = scene_from(told["scene"], str(path)), dict(told["vary"])
+        scene = scene_from(told["scene"], str(path))
         cases = {name: tuple(values) for name, values in told["cases"].items()}
-        plain, scenes = case_scenes(scene, vary)
+        vary, scenes = case_scenes(scene, dict(told["vary"]))
     except (FileNotFoundError, NotADirectoryError):
         raise InputError(f"{folder}: is no sweep, it has no sweep.json") from None
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
@@ -65,7 +66,7 @@ def read_sweep(folder):
     bad = next((name for name in cases if not NAME.fullmatch(name)), None)
     if bad is not None:
         raise InputError(f"{path}: {bad!r} is no name of a case")
-    if plain != vary or sorted(map(repr, cases.values())) != sorted(map(repr, scenes)):
+    if sorted(map(repr, cases.values())) != sorted(map(repr, scenes)):
         raise InputError(f"{path}: its cases are not those of what is varied")
     return SweepFolder(Path(folder), scene, vary, cases)
 
@@ -99,8 +100,8 @@ def taken_up(folder, scene, vary):
             if lost:
                 raise InputError(f"{folder}: has {key} = {', '.join(lost)}; values can be added to a sweep, not left out")
         vary, scenes = case_scenes(scene, {key: vary[key] for key in there.vary})
-        first = {key: values[:1] for key, values in there.vary.items()}
-        asked, stored = (_plain(next(iter(case_scenes(one, first)[1].values()))) for one in (scene, there.scene))
+        first = {key: values[0] for key, values in there.vary.items()}
+        asked, stored = (_plain(changed(one, first)) for one in (scene, there.scene))
         unlike = [text for _, text in differing("", asked, stored)]
         if unlike:
             raise InputError(f"{folder}: is a sweep of another scene: {'; '.join(unlike)}")
