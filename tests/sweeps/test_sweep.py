@@ -239,6 +239,11 @@ def test_fields_are_joined_over_their_places():
     assert data.only.values.tolist() == ["", "", "x"]
     assert data.r.attrs == {"units": "m"}
     np.testing.assert_array_equal(data.depth.values, [[0, 1], [np.nan] * 2, [0, 3]])
+    places = [(0,), (1,), (2,)]
+    assert joined({0: one, 1: two, 2: one}, places, (3,), axes).attrs == {"on": "rings"}  # what differs in one case differs
+    assert joined({0: one}, places, (3,), axes).attrs == one.attrs
+    other = one.assign_coords(r=("r", [1.0, 2.0], {"units": "mm"}))  # the same numbers, not the same places
+    assert joined({0: one, 1: other}, places, (3,), axes).r.dims == ("seed", "r_index")
     longer = two.drop_dims("r").assign(w=("r", [1.0, 2.0, 3.0])).assign_coords(r=[1.0, 2.0, 4.0])
     data = joined({0: one, 1: longer}, [(0,), (1,), (2,)], (3,), axes)
     assert data.w.dims == ("seed", "r_index")

@@ -64,7 +64,7 @@ def axes_of(sweep, recorded):
     axes = {}
     for key, values in sweep.vary.items():
         name = key.replace(".", "_")
-        while name in recorded or name in axes:
+        while name in recorded:
             name += "_asked"
         table, _, inner = key.rpartition(".")
         records = keys_of(sweep.scene)[table].records if table else [sweep.scene]
