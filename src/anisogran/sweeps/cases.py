@@ -92,7 +92,7 @@ def _listed(key, values):
         raise InputError(f"--vary {key}: {shown(values)} must be a list of values") from None
     if not 0 < len(values) <= MANY:
         raise InputError(f"--vary {key}: takes 1 to {MANY} values")
-    return [value.item() if hasattr(value, "item") else value for value in values]  # numbers of numpy are plain numbers here
+    return values
 
 
 def value_of(tables, key):
@@ -115,7 +115,7 @@ def text_of(value):
 def case_name(case, taken):
     """A name for the folder of the case {key: value}, of letters that every system takes; none of those `taken`."""
     name = "-".join(f"{key}_{text_of(value)}" for key, value in case.items())
-    if NAME.fullmatch(name) and name.lower() not in taken:
+    if NAME.fullmatch(name) and name not in taken:
         return name
     return next(name for name in (f"case-{k:04d}" for k in itertools.count(1)) if name not in taken)
 

@@ -106,11 +106,11 @@ def taken_up(folder, scene, vary):
         if unlike:
             raise InputError(f"{folder}: is a sweep of another scene: {'; '.join(unlike)}")
     name_of = {values: name for name, values in there.cases.items()}
-    taken = {name.lower() for name in there.cases}
+    taken = set(there.cases)
     cases = {}
     for values in scenes:
         name = name_of.get(values) or case_name(dict(zip(vary, values, strict=True)), taken)
-        taken.add(name.lower())
+        taken.add(name)
         cases[name] = values
     sweep = SweepFolder(folder, there.scene, vary, cases)
     if cases != there.cases:
