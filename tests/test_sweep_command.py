@@ -22,7 +22,8 @@ from anisogran.sweeps.folder import fraction_of
 
 TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\ngrains = 60\nstrain = 0.6\ndiscard = 0.05\nframes = 0\n[quick]\nstrain = 0.55\n'
 WAIT = 60.0  # s, for a machine that is busy
-LONG = ("--set", "strain=8")  # seconds of work: time to be interrupted in
+LONG = ("--set", "strain=8")  # work enough to be killed in, little enough to be done again
+ENDLESS = ("--set", "strain=80")  # what is interrupted for good: however busy the machine, it is still at work
 
 
 def run(capsys, *arguments):
@@ -123,7 +124,7 @@ def test_a_failed_case_ends_with_3_after_the_others(folder, capsys):
 
 @pytest.mark.parametrize("everyone", [False, True], ids=["SIGTERM to the parent", "Ctrl-C in a terminal"])
 def test_an_interrupt_saves_the_cases_at_work(everyone, folder):
-    process = started(folder, "--vary", "seed=1..3", "--workers", "1", *LONG)
+    process = started(folder, "--vary", "seed=1..3", "--workers", "1", *ENDLESS)
     until(lambda: at_work(folder))
     worker = next(iter(at_work(folder).values()))
     if everyone:
@@ -163,9 +164,9 @@ def test_what_was_killed_goes_on_bit_for_bit(folder, capsys):
 
 
 def test_a_killed_worker_is_a_named_failure_and_the_next_case_runs(folder):
-    process = started(folder, "--vary", "seed=1,2", "--vary", "strain=8,0.6", "--workers", "1")
+    process = started(folder, "--vary", "seed=1,2", "--vary", "strain=80,0.6", "--workers", "1")
     until(lambda: at_work(folder))
-    os.kill(at_work(folder)["seed_1-strain_8"], signal.SIGKILL)
+    os.kill(at_work(folder)["seed_1-strain_80"], signal.SIGKILL)
     until(lambda: states(folder)[1] == "finished")
     process.terminate()
     process.communicate(timeout=WAIT)

@@ -21,6 +21,7 @@ from anisogran.runs.lock import _take, locked
 from anisogran.scenes import changed, scene_text
 from anisogran.sweeps.cases import NAME, case_name, case_scenes, parsed_vary, text_of
 from anisogran.sweeps.collecting import joined
+from anisogran.sweeps.folder import taken_up
 from anisogran.sweeps.running import GO, check_workers
 
 SCENE = SimpleShear(grains=60, strain=0.6, discard=0.05, inertial_number=0.2, frames=0)
@@ -137,6 +138,11 @@ def test_added_values_leave_the_cases_their_names(folder, threads):
     after = json.loads((folder / "sweep.json").read_text())["cases"]
     assert {name: after[name] for name in cases} == cases
     assert set(after) - set(cases) == {"contact.stiffness_1000-seed_0", "contact.stiffness_2000-seed_0"}
+
+
+def test_cases_whose_names_would_be_too_long_are_counted(tmp_path):
+    vary = {"contact.stiffness": [1000.00000001, 2000.00000001], "inertial_number": [0.10000000001], "pressure": [1.00000000001]}
+    assert list(taken_up(tmp_path, SCENE, vary).cases) == ["case-0001", "case-0002"]
 
 
 def test_only_what_is_not_finished_is_run_again(folder, threads):
