@@ -133,6 +133,17 @@ def test_mistakes_are_one_line_and_leave_nothing(arguments, message, call, tmp_p
     assert sorted(path.name for path in tmp_path.iterdir()) == ["empty", "scene.toml"]
 
 
+def test_a_run_that_never_began_leaves_no_folder(call, tmp_path, monkeypatch):
+    """Interrupted while it is told what will be."""
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("anisogran.cli.run_display.opening", interrupted)
+    assert call("scene.toml", "--out", "run") == (130, "", "anisogran: interrupted\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
 def test_a_refused_stage_is_a_failed_run(call, tmp_path, monkeypatch):
     """Exit code 3, the name of the stage, and nothing that could be taken for a result."""
     monkeypatch.setattr("anisogran.experiments.simple_shear.ATTEMPTS", 1)

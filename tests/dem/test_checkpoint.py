@@ -459,3 +459,23 @@ def test_a_float_of_the_state_goes_on_and_a_new_array_is_missed(rng, tmp_path):
     richer.save(tmp_path / "b.npz")
     with pytest.raises(InputError, match="does not fit its own arguments: more is in the one but not in the other"):
         Simulation.load(tmp_path / "b.npz")
+
+
+def test_what_is_attached_comes_back_as_it_was(rng, tmp_path):
+    """Arrays wherever they are, bit for bit; without any, nothing."""
+    simulation = scene(rng)
+    attached = {
+        "a": [np.arange(3), {"b": np.array([[0.1, -0.0], [np.nan, np.inf]])}],
+        "none": None,
+        "empty": {},
+        "text": "\u00fc",
+        "list": [],
+    }
+    simulation.save(tmp_path / "one", attached)
+    found = Simulation.load(tmp_path / "one").attached
+    assert found.keys() == attached.keys()
+    assert (found["none"], found["empty"], found["text"], found["list"]) == (None, {}, "\u00fc", [])
+    np.testing.assert_array_equal(found["a"][0], [0, 1, 2])
+    assert found["a"][1]["b"].tobytes() == attached["a"][1]["b"].tobytes()
+    simulation.save(tmp_path / "two")
+    assert Simulation.load(tmp_path / "two").attached is None

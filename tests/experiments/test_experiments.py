@@ -226,7 +226,9 @@ def test_the_ring_begins_before_its_first_step(ring):
     """The first snapshot is of the prepared sample, the first row of the first sample of travel."""
     assert ring.snapshots["start"].time == 0.0
     assert float(ring.series.time[0]) == pytest.approx(float(ring.series.time[1]) / 2)
-    assert len(ring.series.time) == round(ring.scene.travel * ring.scene.samples_per_diameter)
+    discarded, samples, _ = ring.scene.counts()
+    assert len(ring.series.time) == samples
+    assert ring.profiles.attrs["snapshots"] == samples - discarded
 
 
 def test_the_rate_of_shear_is_said_once():

@@ -81,6 +81,10 @@ def test_a_signal_while_a_stage_begins_leaves_it_there(stage, straight, tmp_path
             run_in_folder(SHEAR, tmp_path)
     assert state_of(tmp_path)["state"] == "interrupted"
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if stage == "sheared":
+        assert Session.load(tmp_path / "checkpoint.npz", SHEAR).begun is None
+    else:
+        assert contents(tmp_path) == ["scene.toml", "state.json"]
     assert_same(run_in_folder(SHEAR, tmp_path, resume=True), straight)
 
 

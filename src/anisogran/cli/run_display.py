@@ -3,7 +3,6 @@
 import sys
 import time
 
-import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -114,6 +113,5 @@ def last_row(result):
 def summary(result, folder):
     """How a run went, as plain values."""
     last = {name: float(value) for name, value in result.series.isel(time=-1).data_vars.items()}
-    provenance = {key: value.item() if isinstance(value, np.generic) else value for key, value in result.provenance.items()}
     status = {"level": result.status.level, "reasons": list(result.status.reasons)}
-    return {"folder": str(folder), "status": status, "last": last, "provenance": provenance}
+    return {"folder": str(folder), "status": status, "last": last, "provenance": result.provenance}
