@@ -3,6 +3,7 @@
 A seal, the SHA-256 of the whole file in its last 64 bytes, tells whether a single bit of it has changed since.
 """
 
+import errno
 import hashlib
 import os
 from contextlib import suppress
@@ -89,6 +90,9 @@ def _synchronise(folder):
         number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
             os.fsync(number)
+        except OSError as error:
+            if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # file systems that know no such thing for folders
+                raise
         finally:
             os.close(number)
 

@@ -338,5 +338,5 @@ def test_a_finished_run_is_saved_once_for_each_stage(tmp_path, monkeypatch):
 def test_a_folder_in_the_way_is_named(tmp_path):
     (tmp_path / "results.h5").mkdir()
     with pytest.raises(InputError, match=r"^[^\n]*results.h5: cannot be removed \("):
-        run_in_folder(SHEAR, tmp_path)
+        run_in_folder(SHEAR, tmp_path, force=True)
     assert contents(tmp_path) == ["results.h5"]

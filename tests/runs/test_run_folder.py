@@ -284,7 +284,7 @@ def test_a_damaged_checkpoint_is_found_and_the_one_before_it_taken(straight, rng
     """Cut, flipped, empty: said so, and the run is still the straight one; if both are damaged, nothing is begun anew in silence."""
     path = tmp_path / "checkpoint.npz"
     for damage in (lambda data: data[: len(data) // 2], lambda data: data[:500] + bytes([data[500] ^ 4]) + data[501:], lambda data: b""):
-        run_folder.clear(tmp_path)
+        run_folder.clear(tmp_path, force=True)
         with pytest.raises(Interrupted):
             run_in_folder(SHEAR, tmp_path, every=0.0, listen=Leave(12))
         path.write_bytes(damage(path.read_bytes()))
@@ -407,6 +407,16 @@ def test_memory_is_looked_at_before_the_start(monkeypatch):
     assert 1e8 < estimates.free_memory() < 1e13
 
 
+def test_a_job_has_what_its_control_group_leaves(tmp_path, monkeypatch):
+    for limit, used, free in (("8000000000", "3000000000", 5e9), ("max", "3000000000", None), ("eight", "3", None)):
+        (tmp_path / "memory.max").write_text(f"{limit}\n")
+        (tmp_path / "memory.current").write_text(f"{used}\n")
+        assert estimates._free_in_group(tmp_path) == free
+    assert estimates._free_in_group(tmp_path / "none") is None
+    monkeypatch.setattr(estimates, "_free_in_group", lambda: 123.0)
+    assert estimates.free_memory() == 123.0
+
+
 MEMORY = """
 import resource, sys
 from anisogran import SimpleShear
@@ -444,7 +454,7 @@ def test_a_refused_stage_and_a_run_that_stops_are_failures(tmp_path, monkeypatch
             session.simulation._state.body.rows[3, 2] = np.nan
 
     with pytest.raises(RunFailed, match=r"at grain \d+, .*not a finite number.*checkpoint.npz.failed holds the state"):
-        run_in_folder(SHEAR, tmp_path, listen=blow_up)
+        run_in_folder(SHEAR, tmp_path, force=True, listen=blow_up)
     assert state_of(tmp_path)["state"] == "failed"
     assert Simulation.load(tmp_path / "checkpoint.npz.failed").status.level == "failed"
     assert Session.load(tmp_path / "checkpoint.npz", SHEAR).simulation.failure is None
@@ -462,7 +472,13 @@ def test_an_unfinished_result_says_so(tmp_path):
 def test_a_folder_begun_anew_keeps_nothing_of_the_run_before(straight, tmp_path):
     with pytest.raises(Interrupted):
         run_in_folder(SCENES["biaxial"], tmp_path, listen=Leave(12))
-    assert_same(run_in_folder(SHEAR, tmp_path), straight["simple_shear"])
+    before = {name: (tmp_path / name).read_bytes() for name in contents(tmp_path)}
+    with pytest.raises(
+        InputError, match=rf"^{tmp_path}: holds a run \(checkpoint.npz.*\); resume=True goes on with it, force=True begins anew$"
+    ):
+        run_in_folder(SHEAR, tmp_path)
+    assert {name: (tmp_path / name).read_bytes() for name in contents(tmp_path)} == before
+    assert_same(SHEAR.run(folder=tmp_path, force=True), straight["simple_shear"])
     assert contents(tmp_path) == WHOLE
 
 

@@ -42,7 +42,7 @@ def run(
     folder = out if resume else output_folder(out, scene.kind, force)
     try:
         opening(scene, folder)
-        result = shown_run(scene, folder, resume)
+        result = shown_run(scene, folder, resume, force)
     except BaseException:
         with contextlib.suppress(OSError):
             folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays

@@ -37,14 +37,14 @@ def duration(seconds):
     return f"{max(1, round(seconds))} s"
 
 
-def shown_run(scene, folder, resume):
+def shown_run(scene, folder, resume, force):
     """Runs the scene in its folder behind a progress bar; returns the Run."""
     clock = time.perf_counter()
     console = Console(stderr=True)
     columns = [TextColumn("{task.description:8}"), BarColumn(20), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn()]
     with Progress(*columns, TextColumn("{task.fields[figures]}"), console=console, transient=True, disable=not console.is_terminal) as bar:
         display = Display(scene, bar)
-        result = run_in_folder(scene, folder, resume, display.hear)
+        result = run_in_folder(scene, folder, resume, force, display.hear)
     saving = result.provenance["saving_seconds"]
     print(f"{folder / 'results.h5'}: {described(result)} ({time.perf_counter() - clock:.0f} s, {saving:.1f} s of them for saving)")
     print(last_row(result))

@@ -34,18 +34,18 @@ class Experiment(BaseModel):
     def check(self):
         """Raises InputError where fields that are fine by themselves do not fit each other. Nothing to check here."""
 
-    def run(self, progress=None, folder=None, resume=False):
+    def run(self, progress=None, folder=None, resume=False, force=False):
         """The Run. `progress(fraction)` is called several times a second.
 
         With `folder`, a path, the run keeps itself there (see runs/folder.py): results.h5, whole at any time, and a checkpoint, from which
-        resume=True goes on bit for bit; Ctrl-C and SIGTERM then raise Interrupted after saving. Raises RunFailed naming the stage if a
-        preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
+        resume=True goes on bit for bit, while force=True begins anew; Ctrl-C and SIGTERM raise Interrupted after saving. Raises RunFailed
+        naming the stage if a preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
         """
         from anisogran.runs.folder import run_in_folder
         from anisogran.runs.session import Session
 
         if folder is not None:
-            return run_in_folder(self, folder, resume, progress and (lambda session: progress(session.fraction)))
+            return run_in_folder(self, folder, resume, force, progress and (lambda session: progress(session.fraction)))
         session = Session(self)
         session.go(progress and (lambda: progress(session.fraction)))
         return session.result()

@@ -1,6 +1,7 @@
 """What a scene will take: memory, work and time, told before it starts."""
 
 import os
+from pathlib import Path
 from typing import NamedTuple
 
 from anisogran.outcome import InputError
@@ -33,7 +34,12 @@ def estimate(scene):
 
 
 def free_memory():
-    """Bytes that are free for a new process; None if the system does not tell."""
+    """Bytes that are free for a new process, of the machine or of the job or container it is in; None if the system does not tell."""
+    known = [part for part in (_free_on_machine(), _free_in_group()) if part is not None]
+    return min(known, default=None)
+
+
+def _free_on_machine():
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             kilobytes = {line.split(":")[0]: float(line.split()[1]) for line in file}
@@ -43,6 +49,15 @@ def free_memory():
     try:
         return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):
+        return None
+
+
+def _free_in_group(folder="/sys/fs/cgroup"):
+    """What the control group of a job or a container leaves (version 2)."""
+    try:
+        limit, used = (Path(folder, f"memory.{name}").read_text(encoding="ascii").strip() for name in ("max", "current"))
+        return None if limit == "max" else float(limit) - float(used)
+    except (OSError, ValueError):
         return None
 
 

@@ -27,8 +27,10 @@ EVERY, SHARE = 10.0, 0.05  # seconds between two saves, and how much of the time
 STATES = ("new", "running", "killed", "interrupted", "failed", "finished")
 
 
-def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
+def run_in_folder(scene, folder, resume=False, force=False, listen=None, every=EVERY):
     """The Run of a scene that keeps itself in `folder`; with `resume` it goes on from what is there, if anything is.
+
+    A run that is there is removed only with `force`.
 
     `listen(session)` is called several times a second; a KeyboardInterrupt from it stops the run like a signal. Saved every `every`
     seconds, or so seldom that it takes 5 % of the time; and at SIGINT (Ctrl-C) and SIGTERM, which then raise Interrupted; a second one
@@ -43,7 +45,7 @@ def run_in_folder(scene, folder, resume=False, listen=None, every=EVERY):
             return session.result()
         keeper = Keeper(session, folder, every)
         if session.simulation is None:
-            clear(folder)
+            clear(folder, force or resume)
         with stops_noted(session) as stop:
             try:
                 write_text(folder / "scene.toml", scene_text(scene))
@@ -164,8 +166,14 @@ def made_folder(folder):
     return folder
 
 
-def clear(folder):
-    """Removes what an earlier run has left, so that nothing of it can be taken for this one's. Raises InputError where it cannot be."""
+def clear(folder, force):
+    """Removes what an earlier run has left, so that nothing of it can be taken for this one's.
+
+    Raises InputError where it cannot be, or, without `force`, if there is a result or a state that would be lost.
+    """
+    kept = [name for name in ("results.h5", "checkpoint.npz", "checkpoint.npz.previous") if (folder / name).exists()]
+    if kept and not force:
+        raise InputError(f"{folder}: holds a run ({', '.join(kept)}); resume=True goes on with it, force=True begins anew")
     for name in ("state.json", "results.h5", "checkpoint.npz", "checkpoint.npz.previous", "checkpoint.npz.failed"):
         try:
             (folder / name).unlink(missing_ok=True)

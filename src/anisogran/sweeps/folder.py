@@ -1,7 +1,7 @@
 """The folder of a sweep.
 
 sweep.json       the scene, what is varied, and the values of each case by the name of its folder
-NAME/scene.toml  the scene of a case, beside what its run leaves there, see run_folder.py
+NAME/scene.toml  the scene of a case, beside what its run leaves there, see runs/folder.py
 lock             while a process runs the sweep
 go               while cases are to run: they save themselves and stop when it is gone
 """
