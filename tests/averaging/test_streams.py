@@ -105,12 +105,13 @@ def test_blocks_of_a_given_size_are_not_joined():
 
 def test_a_run_and_its_file_give_the_same_averages(tmp_path):
     """A run is averaged over the frames of its steady state; so is the file that it was saved to."""
-    run = ag.SimpleShear(grains=60, strain=1.0, discard=0.4, inertial_number=0.05, frames=12, seed=3).run()
+    run = ag.SimpleShear(grains=200, strain=1.0, discard=0.4, inertial_number=0.05, frames=12, seed=3).run()
     assert len(run.frames) == 12
     assert all(a.time < b.time for a, b in zip(run.frames[:-1], run.frames[1:], strict=True))
     data = average(run, fields=["stress", "fabric", "shear_rate", "stress_angle", "rate_to_stress_angle"], least_contacts=2)
     rate = run.series.strain[-1] / run.series.time[-1]
-    assert float(data.shear_rate) == pytest.approx(float(rate), rel=0.1)  # the grains follow the walls of the cell on average
+    # the grains follow the walls of the cell on average; at twelve moments six seeds gave 0.93 to 1.09 of the rate
+    assert float(data.shear_rate) == pytest.approx(float(rate), rel=0.2)
     assert 0 < float(data.rate_to_stress_angle_error) < 0.2
     for name in ("stress", "fabric"):
         assert data[name].attrs["independent_blocks"] > 1
