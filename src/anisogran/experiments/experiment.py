@@ -8,6 +8,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from anisogran.glossary import CONVENTIONS, attributes
 from anisogran.outcome import InputError, Status, shown
+from anisogran.runs.folder import run_in_folder
+from anisogran.runs.session import Session
 from anisogran.scenes.keys import MANY, checked_values
 
 
@@ -41,9 +43,6 @@ class Experiment(BaseModel):
         resume=True goes on bit for bit, while force=True begins anew; Ctrl-C and SIGTERM raise Interrupted after saving. Raises RunFailed
         naming the stage if a preparation finds no equilibrium or the simulation stops, InputError for a folder that cannot be used.
         """
-        from anisogran.runs.folder import run_in_folder
-        from anisogran.runs.session import Session
-
         if folder is not None:
             return run_in_folder(self, folder, resume, force, progress and (lambda session: progress(session.fraction)))
         session = Session(self)
