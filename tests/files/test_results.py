@@ -1,9 +1,9 @@
 import errno
-import io
 import os
 import re
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -208,9 +208,8 @@ def test_groups_have_plain_names(names, tmp_path):
 
 def test_the_same_results_make_the_same_bytes(tmp_path):
     content = bytes(results_bytes(KINDS, {}))
+    time.sleep(1.1)  # dates in HDF5 have seconds; nothing may carry one
     assert content == bytes(results_bytes(KINDS, {}))
-    with h5py.File(io.BytesIO(content)) as file:  # nothing carries a date, which would differ a second later
-        assert not file["scalars/x"].id.get_create_plist().get_obj_track_times()
 
 
 def test_no_damage_goes_unnoticed(rng, tmp_path):

@@ -18,9 +18,9 @@ SCALAR = h5s.create(h5s.SCALAR)
 ONLY_A_DIMENSION = "This is a netCDF dimension but not a netCDF variable."  # the words of the netCDF-4 format
 RESERVED = ("missing_value", "scale_factor", "add_offset", "dtype", "coordinates", "CLASS", "NAME")  # attributes that say how to read it
 
-_DATASET = h5p.create(h5p.DATASET_CREATE)
-_DATASET.set_obj_track_times(False)  # the same data make the same bytes
-_GROUP = h5p.create(h5p.GROUP_CREATE)
+_DATASET, _GROUP = h5p.create(h5p.DATASET_CREATE), h5p.create(h5p.GROUP_CREATE)
+for _kind in (_DATASET, _GROUP):
+    _kind.set_obj_track_times(False)  # the same data make the same bytes
 _GROUP.set_link_creation_order(h5p.CRT_ORDER_TRACKED | h5p.CRT_ORDER_INDEXED)  # variables come back in their order
 
 
