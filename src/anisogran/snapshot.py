@@ -1,6 +1,6 @@
 """The one hand-over from grains to averages: what every particle code can write down at one instant."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -122,6 +122,12 @@ class Snapshot:
     def mean_diameter(self):
         """Mean diameter of the free grains in m; of all if none is free."""
         return float(2 * (self.radius[self.free] if self.free.any() else self.radius).mean())
+
+    def bearing(self, share):
+        """The Snapshot of the contacts whose force is at least this share of the mean one."""
+        size = np.linalg.norm(self.force, axis=1)
+        kept = size >= share * size.mean() if len(size) else slice(None)
+        return replace(self, **{name: getattr(self, name)[kept] for name in ("pairs", "force", "point", "overlap")})
 
 
 def frames(snapshots):

@@ -15,6 +15,7 @@ from anisogran import Biaxial, RingShear, SimpleShear, average
 from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
+from anisogran.experiments.biaxial import BEARING
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
@@ -24,7 +25,8 @@ from anisogran.runs.stages import Stage, equilibrium
 
 @pytest.fixture(scope="module")
 def biaxial():
-    return Biaxial(grains=150, friction=Friction(2e4, 0.5), strain=0.05, duration=0.03, samples=40, seed=3).run()
+    wall = {"wall_mass": 2e-5, "wall_damping": 0.02}
+    return Biaxial(grains=150, friction=Friction(2e4, 0.5), strain=0.05, duration=0.03, samples=40, seed=3, **wall).run()
 
 
 @pytest.fixture(scope="module")
@@ -42,10 +44,10 @@ def test_biaxial_box_starts_isotropic_and_keeps_its_pressure(biaxial):
     assert abs(float(s.s_D[0])) < 0.02  # the gate: both walls within 1 % of the pressure
     assert float(s.eps_zz[0]) == 0.0
     assert float(s.eps_zz[-1]) == pytest.approx(0.05, abs=1e-9)
-    np.testing.assert_allclose(s.sigma_xx_wall, 100.0, rtol=0.03)
+    np.testing.assert_allclose(s.sigma_xx, 100.0, rtol=0.03)
     # grains and walls measure the same stress, but for inertia
-    np.testing.assert_allclose(s.sigma_zz, s.sigma_zz_wall, rtol=0.15)
-    assert float(abs(s.sigma_zz / s.sigma_zz_wall - 1).median()) < 0.02
+    np.testing.assert_allclose(s.sigma_zz_grains, s.sigma_zz, rtol=0.15)
+    assert float(abs(s.sigma_zz_grains / s.sigma_zz - 1).median()) < 0.02
 
 
 def test_biaxial_box_shows_what_granular_matter_does(biaxial):
@@ -56,6 +58,36 @@ def test_biaxial_box_shows_what_granular_matter_does(biaxial):
     assert 0.3 < float(s.s_D.max()) < 0.65  # asin: 17 to 40 degrees
     assert float(s.anisotropy.max()) > 0.1
     assert float(s.coordination_number[-1]) < float(s.coordination_number[0])
+
+
+def test_snapshots_are_kept_at_the_strains_of_the_slides(biaxial):
+    s = biaxial.series
+    assert set(biaxial.snapshots) == {"start", "peak", "end", "eps_zz-0.011", "eps_zz-0.042"}  # 9.1 % is not reached
+    for strain in (0.011, 0.042):
+        first = int(np.argmax(s.eps_zz.values >= strain))
+        assert biaxial.snapshots[f"eps_zz-{strain:.3f}"].time == float(s.time[first])
+
+
+def test_over_consolidation_is_common_and_without_adhesion():
+    """Pressed at the larger pressure without adhesion, released to its own with it; contacts remember the larger pressure."""
+    small = {"grains": 80, "strain": 0.01, "duration": 0.002, "wall_mass": 1e-4, "wall_damping": 0.02, "samples": 10, "seed": 2}
+    sticky = Luding(5e4, 1e5, 1e5, 0.1)
+    assert [stage.name for stage in Biaxial(**small).stages()] == ["press", "relax", "load"]
+    assert [stage.name for stage in Biaxial(contact=sticky, **small).stages()] == ["press", "relax", "release", "load"]
+    started, laws = {}, {}
+    for p0 in (None, 800.0):
+        scene = Biaxial(contact=sticky, overconsolidation=p0, **small)
+        session, laws[p0] = Session(scene), {}
+
+        def listen(session=session, seen=laws[p0]):
+            if session.begun is not None:
+                seen[session.stage_name] = session.simulation.effects["normal"].kc
+
+        session.go(listen)
+        started[p0] = session.result().series.isel(time=0)
+        assert laws[p0] == {"press": 0.0, "relax": 0.0, "release": 1e5, "load": 1e5}
+        assert float(started[p0].sigma_xx) == pytest.approx(100.0, rel=0.011)  # the gate, and a step
+    assert float(started[800.0].area_fraction) > float(started[None].area_fraction) + 0.002
 
 
 def test_strain_measures_are_half_half(biaxial):
@@ -75,11 +107,11 @@ def test_series_repeats_the_averages_of_its_snapshots(biaxial, shear):
     """The last row, and the row of the peak, are the averages of the snapshots that are kept; without friction 3 contacts hold a grain."""
     highest = int(np.argmax(biaxial.series.s_D.values))
     for name, k in (("start", 0), ("peak", highest), ("end", -1)):
-        row, box = biaxial.series.isel(time=k), average(biaxial.snapshots[name], least_contacts=2)
+        row, box = biaxial.series.isel(time=k), average(biaxial.snapshots[name].bearing(BEARING), least_contacts=2)
         fabric, stress = box.fabric.values, box.stress.values
-        assert float(row.sigma_zz) == stress[1, 1]
-        assert float(row.sigma_xx) == stress[0, 0]
-        assert float(row.s_D) == pytest.approx((stress[1, 1] - stress[0, 0]) / (stress[0, 0] + stress[1, 1]))
+        assert float(row.sigma_zz_grains) == stress[1, 1]
+        assert float(row.sigma_xx_grains) == stress[0, 0]
+        assert float(row.s_D) == float((row.sigma_zz - row.sigma_xx) / (row.sigma_zz + row.sigma_xx))
         assert float(row.fabric_deviator) == pytest.approx(0.5 * (fabric[1, 1] - fabric[0, 0]))
         assert float(row.anisotropy) == pytest.approx(4 * float(row.fabric_deviator) / float(row.fabric_trace))
         assert float(row.coordination_number) == float(box.coordination_number)
@@ -286,7 +318,7 @@ def grown_late(late, overlap=0.0):
 
 def test_biaxial_warnings():
     def judge(side, scene=Biaxial(strain=0.1, duration=1.0), **simulation):  # noqa: B008
-        return str(scene.judge(xr.Dataset({"sigma_xx_wall": ("time", [side] * 3)}), None, grown_late(**{"late": 0, **simulation})))
+        return str(scene.judge(xr.Dataset({"sigma_xx": ("time", [side] * 3)}), None, grown_late(**{"late": 0, **simulation})))
 
     assert judge(101.9) == "ok"
     assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
@@ -350,6 +382,7 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
     ("make", "message"),
     [
         (lambda: Biaxial(pressure=-1.0), "Biaxial: pressure = -1 must be above 0 N/m"),
+        (lambda: Biaxial(overconsolidation=100.0), "overconsolidation = 100 must be above the pressure, 100 N/m, or left out"),
         (lambda: Biaxial(presure=1.0), "Biaxial: unknown key 'presure', did you mean 'pressure'\\? biaxial has pressure, contact"),
         (lambda: Biaxial(grains=3), "Biaxial: grains = 3 must be at least 20"),
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),

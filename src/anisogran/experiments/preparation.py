@@ -10,9 +10,12 @@ LOOSE = 0.4  # area fraction of the random start
 ATTEMPTS = 200  # looks for equilibrium, after which a preparation is given up
 
 
-def quasi_static_step(contact, friction, mass):
-    """The time step of the experiments in s: a twentieth of the shortest contact time (restitution to 1.6 %), less for strong dashpots."""
-    return 0.25 * longest_step(contact, friction, None, mass)
+def quasi_static_step(contact, friction, mass, contact_steps=20.0):
+    """The time step of the experiments in s: that part of the shortest contact time, less for strong dashpots.
+
+    A twentieth gives the restitution to 1.6 %.
+    """
+    return 5.0 / contact_steps * longest_step(contact, friction, None, mass)
 
 
 def background_drag(contact, mass):

@@ -14,9 +14,9 @@ def biaxial_curves(series, fits, element=None):
     fig, ((stress, ratio), (volume, structure)) = figure(2, 2)
     eps = series.eps_D.values
     for name in ("sigma_zz", "sigma_xx"):
-        stress.plot(series.eps_zz, series[name], label=f"{label(name)} grains", lw=1.6)
-    stress.plot(series.eps_zz, series.sigma_zz_wall, "k:", lw=1.2, label="same from wall forces")
-    stress.plot(series.eps_zz, series.sigma_xx_wall, "k:", lw=1.2)
+        stress.plot(series.eps_zz, series[name], label=f"{label(name)} walls", lw=1.6)
+    stress.plot(series.eps_zz, series.sigma_zz_grains, "k:", lw=1.2, label="same averaged over the grains")
+    stress.plot(series.eps_zz, series.sigma_xx_grains, "k:", lw=1.2)
     stress.set(xlabel=label("eps_zz"), ylabel="stress [N/m]", ylim=(0, None))
     for axes, name in ((ratio, "s_D"), (structure, "anisotropy")):
         axes.plot(eps, series[name], color=COLOURS["dem"], lw=1.2, label="DEM")
