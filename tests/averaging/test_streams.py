@@ -120,6 +120,17 @@ def test_a_run_and_its_file_give_the_same_averages(tmp_path):
     xr.testing.assert_identical(average(run), average(ag.open(tmp_path / "shear.h5")))
 
 
+def test_contacts_that_bear_nothing_are_left_out():
+    pairs, forces = [[0, 1], [1, 2], [0, 2]], [[3.0, 4.0], [0.0, 4.9e-3], [0.0, 5.0]]  # of 3.335 in the mean: the second 1.5e-3 of it
+    snapshot = make([[0, 0], [1, 0], [2, 0]], [0.5] * 3, pairs, forces)
+    assert snapshot.bearing(1e-3).pairs.tolist() == pairs
+    bearing = snapshot.bearing(2e-3)
+    assert bearing.pairs.tolist() == [pairs[0], pairs[2]]
+    assert bearing.force.tolist() == [forces[0], forces[2]]
+    assert (len(bearing.point), len(bearing.overlap), len(bearing.position)) == (2, 2, 3)
+    assert len(make([[0, 0]], [0.5], [], []).bearing(1e-3).pairs) == 0
+
+
 def test_without_frames_the_last_snapshot_stands_for_the_run():
     early, late = make([[0, 0]], [1.0], [], [], time=1.0), make([[0, 0]], [1.0], [], [], time=2.0)
     assert frames({"end": late, "start": early}) == [late]
