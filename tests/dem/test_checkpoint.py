@@ -153,7 +153,7 @@ def test_checkpoints_change_nothing(rng, tmp_path):
         np.testing.assert_array_equal(file["state.body.rows"], quiet._state.body.rows)
 
 
-def test_no_damage_goes_unnoticed(rng, tmp_path):
+def test_no_damage_goes_unnoticed(rng, damages, tmp_path):
     """300 random flips, cuts and zeroed blocks: never does a damaged file load, and the one before it, if any, is used with a warning."""
     sim = scene(rng, count=8)
     path = tmp_path / "a.npz"
@@ -162,19 +162,7 @@ def test_no_damage_goes_unnoticed(rng, tmp_path):
     before = held(sim)
     sim.save(path)
     good, older = path.read_bytes(), path.read_bytes()
-    for trial in range(300):
-        damaged = bytearray(good)
-        place = int(rng.integers(len(good)))
-        match trial % 3:
-            case 0:
-                damaged[place] ^= 1 << int(rng.integers(8))
-            case 1:
-                del damaged[place:]
-            case 2:
-                size = int(rng.integers(1, 600))
-                damaged[place : place + size] = bytes(len(damaged[place : place + size]))
-        if damaged == good:  # zeros upon zeros
-            damaged[place] ^= 1
+    for trial, damaged in enumerate(damages(good, 300)):
         path.write_bytes(damaged)
         if trial % 2:
             previous_of(path).write_bytes(older)

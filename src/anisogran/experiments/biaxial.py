@@ -75,10 +75,10 @@ class Biaxial(Experiment):
         loading = np.linspace(0, math.ceil(self.duration / dt), self.samples + 1).astype(int)
         stages = [
             Stage("press", closing // 10 * np.arange(1, 11), begin=self.loose),
-            Stage("relax", relaxing, gate=self.equilibrium(self.first_pressure), expected=60),
+            Stage("relax", relaxing, gate=self.at_rest(self.first_pressure), expected=60),
         ]
         if self.overconsolidation is not None or self.contact != self.cohesionless():
-            stages.append(Stage("release", relaxing, begin=self.released, gate=self.equilibrium(self.pressure), expected=20))
+            stages.append(Stage("release", relaxing, begin=self.released, gate=self.at_rest(self.pressure), expected=20))
         return (*stages, Stage("load", loading, begin=self.loaded, look=self.look))
 
     def step(self, mass):
@@ -122,7 +122,7 @@ class Biaxial(Experiment):
         wall = self.pressed_wall(self.pressure, self.loose_box()[1], pressed.grains.mass)
         return pressed.next_stage(boundary=Box(width, height, right=wall, top=wall), normal=self.contact)
 
-    def equilibrium(self, pressure):
+    def at_rest(self, pressure):
         """The gate of a sample at rest under that pressure on both movable walls."""
 
         def stress_error(simulation):

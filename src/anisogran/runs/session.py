@@ -152,7 +152,7 @@ class Session:
         session = cls(scene)
         try:
             stored, simulation.attached = simulation.attached, None
-            unlike = dict(differing("", {"kind": scene.kind, **scene.model_dump(mode="json")}, {"kind": stored["kind"], **stored["scene"]}))
+            unlike = dict(differing("", plain_scene(scene), {"kind": stored["kind"], **stored["scene"]}))
             physical = [text for key, text in unlike.items() if key not in scene.output_keys]
             if physical:
                 raise InputError(f"{path}: is of another scene: {'; '.join(physical)}")
@@ -177,6 +177,11 @@ class Session:
         if stage < 0 or (begun is not None and (last or not 0 <= begun <= self.simulation.step or not 0 <= marks <= len(steps))):
             raise LookupError(f"stage {stage}, begun at {begun}, mark {marks}")
         self.stage, self.begun, self.marks, self.grain_steps, self.seconds = stage, begun, marks, grain_steps, seconds
+
+
+def plain_scene(scene):
+    """A scene as nested dicts of plain values, with its kind."""
+    return {"kind": scene.kind, **scene.model_dump(mode="json")}
 
 
 def differing(name, asked, stored):

@@ -14,7 +14,7 @@ from anisogran.experiments.scene_file import read_scene
 from anisogran.files import write_json, write_text
 from anisogran.outcome import InputError
 from anisogran.runs.folder import made_folder, state_of
-from anisogran.runs.session import differing
+from anisogran.runs.session import differing, plain_scene
 from anisogran.scenes.changes import changed
 from anisogran.scenes.writing import scene_text
 from anisogran.sweeps.cases import NAME, case_name, case_scenes, scene_from, text_of
@@ -101,7 +101,7 @@ def taken_up(folder, scene, vary):
                 raise InputError(f"{folder}: has {key} = {', '.join(lost)}; values can be added to a sweep, not left out")
         vary, scenes = case_scenes(scene, {key: vary[key] for key in there.vary})
         first = {key: values[0] for key, values in there.vary.items()}
-        asked, stored = (_plain(changed(one, first)) for one in (scene, there.scene))
+        asked, stored = (plain_scene(changed(one, first)) for one in (scene, there.scene))
         unlike = [text for _, text in differing("", asked, stored)]
         if unlike:
             raise InputError(f"{folder}: is a sweep of another scene: {'; '.join(unlike)}")
@@ -126,14 +126,9 @@ def _write_scene(folder, scene):
     if not path.exists():
         write_text(path, scene_text(scene))
         return
-    unlike = [text for _, text in differing("", _plain(scene), _plain(read_scene(path)))]
+    unlike = [text for _, text in differing("", plain_scene(scene), plain_scene(read_scene(path)))]
     if unlike:
         raise InputError(f"{path}: is not the scene of this case: {'; '.join(unlike)}")
-
-
-def _plain(scene):
-    """A scene as nested dicts of plain values, with its kind."""
-    return {"kind": scene.kind, **scene.model_dump(mode="json")}
 
 
 def fraction_of(folder):
