@@ -32,7 +32,7 @@ def main(arguments=None):
     states = []
     for seed in seeds:
         for inertial in numbers:
-            run = SimpleShear(inertial_number=float(inertial), grains=grains, strain=strain, seed=seed).run()
+            run = SimpleShear(inertial_number=float(inertial), n=grains, strain=strain, seed=seed).run()
             run.status.require()
             state = steady_state(run)
             mu, error = float(state.stress_ratio), float(state.stress_ratio_error)

@@ -25,7 +25,7 @@ def run(capsys, *arguments):
 @pytest.fixture(scope="module")
 def sheared(tmp_path_factory):
     path = tmp_path_factory.mktemp("run") / "shear.h5"
-    ag.SimpleShear(grains=60, strain=1.0, discard=0.4, inertial_number=0.05, frames=8, seed=3).run().save(path)
+    ag.SimpleShear(n=60, strain=1.0, discard=0.4, inertial_number=0.05, frames=8, seed=3).run().save(path)
     return path
 
 

@@ -40,7 +40,7 @@ def evolution(rng, s_max=0.4, beta=60.0, points=300):
 def compressed(tmp_path_factory):
     path = tmp_path_factory.mktemp("run") / "biaxial.h5"
     friction = ag.Friction(stiffness=2e4, mu=0.5)
-    ag.Biaxial(grains=150, strain=0.06, duration=0.02, samples=100, seed=1, friction=friction).run().save(path)
+    ag.Biaxial(n=150, strain=0.06, duration=0.02, samples=100, seed=1, friction=friction).run().save(path)
     return path
 
 

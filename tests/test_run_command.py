@@ -16,13 +16,13 @@ from anisogran.runs.folder import state_of
 SCENE = """
 kind = "simple_shear"
 inertial_number = 0.2
-grains = 100
+n = 100
 strain = 0.6
 discard = 0.1
 frames = 2
 
 [quick]
-grains = 60
+n = 60
 """
 
 
@@ -60,7 +60,7 @@ def test_a_run_from_a_file(call, tmp_path):
     folder = tmp_path / "simple_shear-001"
     assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.npz", "results.h5", "scene.toml", "state.json"]
     scene = read_scene(folder / "scene.toml")
-    assert (scene.grains, scene.friction.mu, scene.seed) == (60, 0.3, 5)
+    assert (scene.n, scene.friction.mu, scene.seed) == (60, 0.3, 5)
     tree, numbers = open_results(folder / "results.h5"), json.loads((tmp_path / "run.json").read_text())
     assert tomllib.loads(tree.attrs["scene"]) == tomllib.loads((folder / "scene.toml").read_text())
     assert numbers["last"]["strain"] == float(tree["series"].strain[-1])
@@ -112,7 +112,7 @@ def test_a_folder_in_use_is_kept(call, tmp_path):
     [
         ([], "run: SCENE is missing; `anisogran new biaxial > scene.toml` writes one"),
         (["nothing.toml"], "nothing.toml: cannot be read (No such file or directory)"),
-        (["scene.toml", "--set", "grians=5"], "--set grians=5: unknown key 'grians', did you mean 'grains'?"),
+        (["scene.toml", "--set", "sede=5"], "--set sede=5: unknown key 'sede', did you mean 'seed'?"),
         (["scene.toml", "--set", "friction.mu=-1"], "--set friction.mu=-1: [friction] mu = -1 must be at least 0"),
         (["scene.toml", "--resume"], "run: --resume needs the folder of the run, --out FOLDER"),
         (["scene.toml", "--resume", "--out", "nowhere"], "--out nowhere: there is no such folder to resume"),
@@ -120,7 +120,7 @@ def test_a_folder_in_use_is_kept(call, tmp_path):
         (["scene.toml", "--resume", "--force", "--out", "empty"], "run: --resume goes on and --force begins anew; give one of them"),
         (["scene.toml", "--json", "nowhere/x.json"], "--json nowhere/x.json: cannot be written (No such file or directory)"),
         (["scene.toml", "--out", "scene.toml"], "--out scene.toml: is not a folder"),
-        (["scene.toml", "--set", "grains=10000000"], "simple_shear: grains = 10000000 take about"),
+        (["scene.toml", "--set", "n=10000000"], "simple_shear: n = 10000000 take about"),
     ],
 )
 def test_mistakes_are_one_line_and_leave_nothing(arguments, message, call, tmp_path, monkeypatch):
@@ -171,7 +171,7 @@ def test_a_run_says_how_it_is_where_there_is_no_terminal(call, monkeypatch):
 
 def test_the_same_from_python(tmp_path):
     """The front door: a scene is run in a folder by its own method."""
-    scene = SimpleShear(inertial_number=0.2, grains=60, strain=0.6, discard=0.1, frames=2)
+    scene = SimpleShear(inertial_number=0.2, n=60, strain=0.6, discard=0.1, frames=2)
     seen = []
     run = scene.run(folder=tmp_path / "run", progress=seen.append)
     assert seen[-1] == 1.0

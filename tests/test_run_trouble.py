@@ -13,8 +13,8 @@ from anisogran.outcome import Interrupted
 from anisogran.runs.folder import run_in_folder, state_of
 from anisogran.runs.lock import locked
 
-SCENE = SimpleShear(inertial_number=0.2, grains=60, strain=0.6, discard=0.1, frames=2)
-TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\ngrains = 60\nstrain = 0.6\ndiscard = 0.1\nframes = 2\n'
+SCENE = SimpleShear(inertial_number=0.2, n=60, strain=0.6, discard=0.1, frames=2)
+TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\nn = 60\nstrain = 0.6\ndiscard = 0.1\nframes = 2\n'
 
 
 @pytest.fixture

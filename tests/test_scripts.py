@@ -69,7 +69,7 @@ def test_code_of_the_readme_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     script(ROOT / "data_generation" / "biaxial.py").main(["biaxial.h5", "--quick"])
     text = (ROOT / "README.md").read_text()
-    smaller = {"travel=100.0": "grains=250, inner_radius=4.0, travel=6.0, discard=2.0, block=1.0", "grains=500": "grains=60"}
+    smaller = {"travel=100.0": "n=250, inner_radius=4.0, travel=6.0, discard=2.0, block=1.0", "n=500": "n=60"}
     assert all(text.count(words) == 1 for words in smaller)
     for words, fewer in smaller.items():
         text = text.replace(words, fewer)

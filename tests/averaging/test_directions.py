@@ -220,7 +220,7 @@ def test_bad_options_are_refused():
 
 def test_stress_of_a_sheared_packing_follows_from_its_anisotropies():
     """s_D = |a2 + a_n + a_t|/(2 + a2 a_n), each at twice the angle of its axis, if forces do not depend on the branch length."""
-    end = SimpleShear(grains=150, strain=0.6, discard=0.1, inertial_number=0.05).run().snapshots["end"]
+    end = SimpleShear(n=150, strain=0.6, discard=0.1, inertial_number=0.05).run().snapshots["end"]
     stress = average(end).stress_static.values
     dataset = contact_directions(end)
     vectors = {name: float(dataset[name]) * np.exp(2j * float(dataset[axis])) for name, axis in ANISOTROPIES}

@@ -229,7 +229,7 @@ def test_grains_without_contacts_have_neither_forces_nor_chains():
 
 @pytest.fixture(scope="module")
 def sheared():
-    return SimpleShear(grains=150, strain=0.6, discard=0.1, inertial_number=0.05).run().snapshots["end"]
+    return SimpleShear(n=150, strain=0.6, discard=0.1, inertial_number=0.05).run().snapshots["end"]
 
 
 def test_rotation_and_scale_change_nothing():

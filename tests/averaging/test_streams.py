@@ -105,7 +105,7 @@ def test_blocks_of_a_given_size_are_not_joined():
 
 def test_a_run_and_its_file_give_the_same_averages(tmp_path):
     """A run is averaged over the frames of its steady state; so is the file that it was saved to."""
-    run = ag.SimpleShear(grains=200, strain=1.0, discard=0.4, inertial_number=0.05, frames=12, seed=3).run()
+    run = ag.SimpleShear(n=200, strain=1.0, discard=0.4, inertial_number=0.05, frames=12, seed=3).run()
     assert len(run.frames) == 12
     assert all(a.time < b.time for a, b in zip(run.frames[:-1], run.frames[1:], strict=True))
     data = average(run, fields=["stress", "fabric", "shear_rate", "stress_angle", "rate_to_stress_angle"], least_contacts=2)

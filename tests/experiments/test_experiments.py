@@ -26,17 +26,17 @@ from anisogran.runs.stages import Stage, equilibrium
 @pytest.fixture(scope="module")
 def biaxial():
     wall = {"wall_mass": 2e-5, "wall_damping": 0.02}
-    return Biaxial(grains=150, friction=Friction(2e4, 0.5), strain=0.05, duration=0.03, samples=40, seed=3, **wall).run()
+    return Biaxial(n=150, friction=Friction(2e4, 0.5), strain=0.05, duration=0.03, samples=40, seed=3, **wall).run()
 
 
 @pytest.fixture(scope="module")
 def ring():
-    return RingShear(grains=250, inner_radius=4.0, travel=10.0, discard=2.0, block=1.0, seed=3).run()
+    return RingShear(n=250, inner_radius=4.0, travel=10.0, discard=2.0, block=1.0, seed=3).run()
 
 
 @pytest.fixture(scope="module")
 def shear():
-    return SimpleShear(inertial_number=0.05, grains=100, strain=3.0, discard=1.0, seed=3).run()
+    return SimpleShear(inertial_number=0.05, n=100, strain=3.0, discard=1.0, seed=3).run()
 
 
 def test_biaxial_box_starts_isotropic_and_keeps_its_pressure(biaxial):
@@ -70,7 +70,7 @@ def test_snapshots_are_kept_at_the_strains_of_the_slides(biaxial):
 
 def test_over_consolidation_is_common_and_without_adhesion():
     """Pressed at the larger pressure without adhesion, released to its own with it; contacts remember the larger pressure."""
-    small = {"grains": 80, "strain": 0.01, "duration": 0.002, "wall_mass": 1e-4, "wall_damping": 0.02, "samples": 10, "seed": 2}
+    small = {"n": 80, "strain": 0.01, "duration": 0.002, "wall_mass": 1e-4, "wall_damping": 0.02, "samples": 10, "seed": 2}
     sticky = Luding(5e4, 1e5, 1e5, 0.1)
     assert [stage.name for stage in Biaxial(**small).stages()] == ["press", "relax", "load"]
     assert [stage.name for stage in Biaxial(contact=sticky, **small).stages()] == ["press", "relax", "release", "load"]
@@ -143,7 +143,7 @@ def test_provenance_tells_scene_and_effects(biaxial):
 
 
 def test_frictionless_scene_leaves_friction_out():
-    run = Biaxial(grains=60, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
+    run = Biaxial(n=60, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
     assert run.provenance["absent_effects"] == "friction, rolling, gravity, wall_friction, drag"
     np.testing.assert_array_equal(run.snapshots["end"].spin, 0.0)
 
@@ -198,17 +198,17 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
 
 
 def test_absurd_runs_are_warned_of():
-    soft = Biaxial(grains=40, pressure=3e3, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
+    soft = Biaxial(n=40, pressure=3e3, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
     assert "of the mean radius: too soft for this load" in str(soft.status)
-    fast = RingShear(grains=150, inner_radius=3.0, wall_speed=2.0, travel=6.0, discard=2.0, block=2.0, seed=1).run()
+    fast = RingShear(n=150, inner_radius=3.0, wall_speed=2.0, travel=6.0, discard=2.0, block=2.0, seed=1).run()
     assert "far from quasi-static" in str(fast.status)
-    one = RingShear(grains=150, inner_radius=3.0, travel=4.0, discard=2.0, block=2.0).run()
+    one = RingShear(n=150, inner_radius=3.0, travel=4.0, discard=2.0, block=2.0).run()
     assert "one block only: no error bars" in str(one.status)
     assert np.isnan(one.profiles.v_phi_error).all()
 
 
 def test_fast_shear_holds_its_pressure():
-    run = SimpleShear(inertial_number=0.3, grains=100, strain=4.0, discard=1.0, seed=2).run()
+    run = SimpleShear(inertial_number=0.3, n=100, strain=4.0, discard=1.0, seed=2).run()
     # agitation adds 6 % to the contacts here; 100 grains over three strains fluctuate by two
     assert float(run.scene.steady(run.series).sigma_yy.mean()) == pytest.approx(1.0, abs=0.04)
     assert run.status.level == "ok"
@@ -216,7 +216,7 @@ def test_fast_shear_holds_its_pressure():
 
 def test_shear_at_constant_volume():
     """The area fraction is the one asked for, all along; so is the rate; the stress is an outcome that nobody warns of."""
-    run = SimpleShear(rate=0.1, area_fraction=0.8, grains=60, strain=2.0, discard=0.5, seed=3).run()
+    run = SimpleShear(rate=0.1, area_fraction=0.8, n=60, strain=2.0, discard=0.5, seed=3).run()
     np.testing.assert_allclose(run.series.area_fraction, 0.8, rtol=1e-9)  # thousands of steps of the compressed height
     np.testing.assert_allclose(run.series.strain, 0.1 * run.series.time, rtol=1e-12)
     width, height = np.diag(run.snapshots["end"].cell)
@@ -235,7 +235,7 @@ def test_shear_at_constant_volume():
 @pytest.mark.parametrize(("area_fraction", "inertial_number"), [(0.45, 0.01), (0.8, 1e-3), (0.9, 1e-4)])
 def test_any_volume_is_brought_to_rest(area_fraction, inertial_number):
     """Loose grains too, whose few contacts would take for ever: dashpots alone left the first two in motion after 200 looks."""
-    session = Session(SimpleShear(grains=60, area_fraction=area_fraction, inertial_number=inertial_number))
+    session = Session(SimpleShear(n=60, area_fraction=area_fraction, inertial_number=inertial_number))
 
     class AtRestError(Exception):
         pass
@@ -281,7 +281,7 @@ def test_blocks_hold_ratios_of_means():
 
 def test_progress_is_reported():
     seen = []
-    SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1, samples_per_strain=50).run(progress=seen.append)
+    SimpleShear(inertial_number=0.1, n=60, strain=0.6, discard=0.1, samples_per_strain=50).run(progress=seen.append)
     assert seen[-1] == 1.0
     assert all(b >= a for a, b in pairwise(seen))
 
@@ -358,7 +358,7 @@ def test_simple_shear_starts_in_flow_and_warns(monkeypatch):
     monkeypatch.setattr(Simulation, "next_stage", spy)
     monkeypatch.setattr(Simulation, "counters", property(lambda self: {**counters(self), "late_builds": 2}))
     monkeypatch.setattr(simple_shear, "drift", lambda values: 5.0)
-    scene = SimpleShear(inertial_number=0.1, grains=60, strain=0.6, discard=0.1)
+    scene = SimpleShear(inertial_number=0.1, n=60, strain=0.6, discard=0.1)
     run = scene.run()
     (velocity, position), rate = begun[0], float(run.series.strain[-1] / run.series.time[-1])
     np.testing.assert_allclose(velocity, np.outer(position[:, 1], [rate, 0.0]), atol=1e-12)
@@ -384,11 +384,11 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         (lambda: Biaxial(pressure=-1.0), "Biaxial: pressure = -1 must be above 0 N/m"),
         (lambda: Biaxial(overconsolidation=100.0), "overconsolidation = 100 must be above the pressure, 100 N/m, or left out"),
         (lambda: Biaxial(presure=1.0), "Biaxial: unknown key 'presure', did you mean 'pressure'\\? biaxial has pressure, contact"),
-        (lambda: Biaxial(grains=3), "Biaxial: grains = 3 must be at least 20"),
+        (lambda: Biaxial(n=3), "Biaxial: n = 3 must be at least 20"),
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),
         (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan must be a finite number"),
         (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 40 \\+ 20, or there is nothing to average"),
-        (lambda: RingShear(grains=60), "grains = 60 fill a gap of 1.4 mean diameters; 4.5 are needed"),
+        (lambda: RingShear(n=60), "n = 60 grains fill a gap of 1.4 mean diameters; 4.5 are needed"),
         (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
         (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),
         (
@@ -404,8 +404,8 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         (lambda: SimpleShear(area_fraction=0.3), "SimpleShear: area_fraction = 0.3 must be above 0.4"),
         (lambda: SimpleShear(rate=0.0), "SimpleShear: rate = 0 must be above 0 1/s"),
         (lambda: SimpleShear(strain=1.0), "strain = 1 must be at least discard \\+ 0.5 = 2"),
-        (lambda: Biaxial(grains=True), "Biaxial: grains = True is not a number"),
-        (lambda: Biaxial(grains=20.5), "Biaxial: grains = 20.5 is not a whole number"),
+        (lambda: Biaxial(n=True), "Biaxial: n = True is not a number"),
+        (lambda: Biaxial(n=20.5), "Biaxial: n = 20.5 is not a whole number"),
         (lambda: Biaxial(seed=None), "Biaxial: seed = None is not a number"),
         (lambda: Biaxial(seed=10**400), "Biaxial: seed is too large a number"),
         (lambda: Biaxial(contact=3.0), "Biaxial: contact = 3.0 must be Linear or Luding"),

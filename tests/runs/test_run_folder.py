@@ -25,9 +25,9 @@ from anisogran.runs.lock import is_locked, locked
 from anisogran.runs.session import Session
 
 SCENES = {
-    "biaxial": Biaxial(grains=40, friction=Friction(2e4, 0.5), strain=0.02, duration=0.002, samples=20, seed=3),
-    "ring_shear": RingShear(grains=150, inner_radius=3.0, travel=2.0, discard=0.5, block=0.5, seed=3, frames=3),
-    "simple_shear": SimpleShear(inertial_number=0.2, grains=60, strain=0.6, discard=0.1, seed=3, frames=3),
+    "biaxial": Biaxial(n=40, friction=Friction(2e4, 0.5), strain=0.02, duration=0.002, samples=20, seed=3),
+    "ring_shear": RingShear(n=150, inner_radius=3.0, travel=2.0, discard=0.5, block=0.5, seed=3, frames=3),
+    "simple_shear": SimpleShear(inertial_number=0.2, n=60, strain=0.6, discard=0.1, seed=3, frames=3),
 }
 SHEAR = SCENES["simple_shear"]
 WHOLE = ["checkpoint.npz", "results.h5", "scene.toml", "state.json"]  # what a run that is finished leaves
@@ -399,7 +399,7 @@ def test_neither_clock_nor_locale_nor_place_matter(straight, tmp_path, monkeypat
 def test_memory_is_looked_at_before_the_start(monkeypatch):
     needed = estimate(SHEAR).memory
     check_memory(SHEAR, free=needed / 0.79)
-    with pytest.raises(InputError, match=r"simple_shear: grains = 60 take about 0.3 GB of memory, more than 80% of the 0.4 GB"):
+    with pytest.raises(InputError, match=r"simple_shear: n = 60 take about 0.3 GB of memory, more than 80% of the 0.4 GB"):
         check_memory(SHEAR, free=needed / 0.81)
     monkeypatch.setattr(estimates, "free_memory", lambda: None)  # a system that does not tell
     check_memory(SHEAR)
@@ -421,7 +421,7 @@ MEMORY = """
 import sys
 from anisogran import SimpleShear
 from anisogran.runs.estimates import estimate
-scene = SimpleShear(inertial_number=0.5, grains=2000, strain=0.6, discard=0.1, frames=30)
+scene = SimpleShear(inertial_number=0.5, n=2000, strain=0.6, discard=0.1, frames=30)
 scene.run(folder=sys.argv[1])
 with open("/proc/self/status") as file:  # getrusage would tell of the process that has started this one
     (peak,) = (float(line.split()[1]) for line in file if line.startswith("VmHWM"))

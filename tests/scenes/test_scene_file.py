@@ -16,7 +16,7 @@ from anisogran.scenes.keys import keys_of, name_of
 
 LUDING = '[contact]\nlaw = "luding"\nk1 = 1e4\nk2 = 5e4\n'
 SCENE = f'kind = "biaxial"\npressure = 50\n{LUDING}'
-SIZES = "[quick]\ngrains = 50\n[quick.contact]\nk2 = 2e4\n"
+SIZES = "[quick]\nn = 50\n[quick.contact]\nk2 = 2e4\n"
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def complaint(scene, tmp_path):
 
 def test_what_a_file_leaves_out_is_the_default(scene):
     assert scene('kind = "biaxial"') == Biaxial()
-    assert scene('kind = "ring_shear"\ngrains = 700') == RingShear(grains=700)
+    assert scene('kind = "ring_shear"\nn = 700') == RingShear(n=700)
     assert scene(SCENE) == Biaxial(pressure=50.0, contact=Luding(k1=1e4, k2=5e4))
 
 
@@ -92,7 +92,7 @@ def test_no_other_unit_is_taken(text, words, complaint):
 
 def test_quick_replaces_keys(scene):
     assert scene(SCENE + SIZES) == scene(SCENE)
-    assert scene(SCENE + SIZES, quick=True) == Biaxial(pressure=50.0, grains=50, contact=Luding(k1=1e4, k2=2e4))
+    assert scene(SCENE + SIZES, quick=True) == Biaxial(pressure=50.0, n=50, contact=Luding(k1=1e4, k2=2e4))
     # another law begins anew; a table that the file lacks starts from the default
     other = '[quick.contact]\nlaw = "linear"\nstiffness = 3e4\n'
     assert scene(SCENE + other, quick=True).contact == Linear(3e4)
@@ -100,8 +100,8 @@ def test_quick_replaces_keys(scene):
 
 
 def test_overrides_come_last(scene):
-    assert scene(SCENE + SIZES, "grains=60", "contact.kc=1e5", quick=True) == Biaxial(
-        pressure=50.0, grains=60, contact=Luding(k1=1e4, k2=2e4, kc=1e5)
+    assert scene(SCENE + SIZES, "n=60", "contact.kc=1e5", quick=True) == Biaxial(
+        pressure=50.0, n=60, contact=Luding(k1=1e4, k2=2e4, kc=1e5)
     )
     assert scene(SCENE, "contact.k1=1e3 N/m", " contact.k1 = 2e3 ").contact.k1 == 2e3
     assert scene(SCENE, "contact.law=linear", "contact.stiffness=1e5").contact == Linear(1e5)
@@ -129,8 +129,8 @@ def test_overrides_come_last(scene):
         ("contact.k2=5", "scene.toml with --set contact.k2=5: [contact] k2 = 5 must be at least 10000 N/m (= k1)"),
         ("friction.mu=0.5", "scene.toml with --set friction.mu=0.5: [friction] stiffness is missing; friction has stiffness, mu"),
         ("kind=ring_shear", "--set kind=ring_shear: kind cannot be changed, it is biaxial"),
-        ("quick.grains=50", "--set quick.grains=50: quick is a table of scene files, which the option --quick takes"),
-        ("grains=", "--set grains=: must be KEY=VALUE"),
+        ("quick.n=50", "--set quick.n=50: quick is a table of scene files, which the option --quick takes"),
+        ("n=", "--set n=: must be KEY=VALUE"),
         ("k1=3", "--set k1=3: unknown key 'k1', did you mean contact.k1? biaxial has pressure"),
         ("damping=3", "--set damping=3: unknown key 'damping', did you mean contact.damping or friction.damping? biaxial has"),
         ("contact.seed=3", "--set contact.seed=3: [contact] unknown key 'seed', did you mean seed above all tables? luding has k1"),
@@ -147,16 +147,16 @@ def test_a_bad_override_is_one_line(override, words, complaint):
 
 def test_a_bad_quick_table_is_told_of_even_if_it_is_not_wanted(complaint):
     for quick in (False, True):
-        assert complaint(SCENE + "[quick]\ngrain = 50", quick=quick).startswith(
-            "scene.toml: [quick] unknown key 'grain', did you mean 'grains'?"
+        assert complaint(SCENE + "[quick]\nsead = 50", quick=quick).startswith(
+            "scene.toml: [quick] unknown key 'sead', did you mean 'seed'?"
         )
-        assert complaint(SCENE + "[quick]\ngrains = 5", quick=quick) == "scene.toml: [quick] grains = 5 must be at least 20"
+        assert complaint(SCENE + "[quick]\nn = 5", quick=quick) == "scene.toml: [quick] n = 5 must be at least 20"
         assert complaint(SCENE + "[quick.contact]\nk1 = -1", quick=quick) == "scene.toml: [quick.contact] k1 = -1 must be above 0 N/m"
         assert complaint(SCENE + "[quick.contact]\nk2 = 1.0", quick=quick) == (
             "scene.toml with [quick]: [contact] k2 = 1 must be at least 10000 N/m (= k1)"
         )
         assert complaint("quick = 3\n" + SCENE, quick=quick) == "scene.toml: quick = 3 must be a table, [quick]"
-        assert complaint(SCENE + "[quick.quick]\ngrains = 5", quick=quick).startswith("scene.toml: [quick] quick is a table of scene files")
+        assert complaint(SCENE + "[quick.quick]\nn = 5", quick=quick).startswith("scene.toml: [quick] quick is a table of scene files")
     assert complaint(SCENE, quick=True) == "scene.toml: has no table [quick]"
 
 

@@ -87,7 +87,7 @@ def test_a_template_is_the_default_scene_with_every_key_explained(kind, tmp_path
     path.write_text(text)
     assert read_scene(path) == KINDS[kind]()
     small = read_scene(path, quick=True)
-    assert small.grains < KINDS[kind]().grains
+    assert small.n < KINDS[kind]().n
     assert KINDS[kind](**(vars(KINDS[kind]()) | KINDS[kind].quick)) == small
     assert Draft202012Validator(scene_schema(KINDS[kind])).is_valid(tomllib.loads(text))
     for name, one in keys_of(KINDS[kind]).items():
@@ -154,7 +154,7 @@ def test_a_schema_takes_units_and_none_where_the_reader_does():
         ("pressure", "none"),
         ("contact", "none"),
         ("quick", {"grain": 3}),
-        ("grains", 50.5),
+        ("n", 50.5),
         ("seed", True),
     ):
         assert not check(scene | {key: value})
@@ -163,9 +163,9 @@ def test_a_schema_takes_units_and_none_where_the_reader_does():
 def test_whatever_numbers_a_record_was_made_of_are_plain_in_its_text(tmp_path):
     path = tmp_path / "scene.toml"
     for number in (np.float64(1e5), np.int64(100_000), 100_000):
-        path.write_text(scene_text(Biaxial(contact=Linear(number), grains=np.int64(50), pressure=np.float64(2.0))))
+        path.write_text(scene_text(Biaxial(contact=Linear(number), n=np.int64(50), pressure=np.float64(2.0))))
         assert "stiffness = 100000.0 " in path.read_text()
-        assert read_scene(path) == Biaxial(contact=Linear(1e5), grains=50, pressure=2.0)
+        assert read_scene(path) == Biaxial(contact=Linear(1e5), n=50, pressure=2.0)
 
 
 def test_doubts():

@@ -24,7 +24,7 @@ from anisogran.sweeps.collecting import joined
 from anisogran.sweeps.folder import taken_up
 from anisogran.sweeps.running import GO, check_workers
 
-SCENE = SimpleShear(grains=60, strain=0.6, discard=0.05, inertial_number=0.2, frames=0)
+SCENE = SimpleShear(n=60, strain=0.6, discard=0.05, inertial_number=0.2, frames=0)
 VARY = {"contact.stiffness": [1000.0, 2000.0], "seed": [1, 2]}
 
 

@@ -19,7 +19,7 @@ def opening(scene, folder):
     """Says what is run where, and what it will take."""
     expected, free = estimate(scene), free_memory()
     memory = f"{expected.memory / 1e9:.1f} GB of memory" + ("" if free is None else f" ({free / 1e9:.1f} GB free)")
-    print(f"{scene.kind}: {scene.grains} grains, seed {scene.seed}, in {folder}")
+    print(f"{scene.kind}: {scene.n} grains, seed {scene.seed}, in {folder}")
     print(
         f"stages: {', '.join(stage.name for stage in scene.stages())}; about {expected.grain_steps / 1e6:,.0f} million grain-steps, "
         f"{duration(expected.seconds)} at {SPEED / 1e6:.0f} million a second on one core; about {memory}"

@@ -104,7 +104,7 @@ def snapshots_rows(quick):
     much smaller as it holds more of them.
     """
     frames = 64 if quick else 256
-    run = SimpleShear(grains=100, strain=4.0 if quick else 13.0, discard=1.0, inertial_number=0.03, frames=frames, seed=1).run()
+    run = SimpleShear(n=100, strain=4.0 if quick else 13.0, discard=1.0, inertial_number=0.03, frames=frames, seed=1).run()
     whole, rows = average(run, fields="s_D").s_D, []
     for count in (1, 4, 16):
         sets = [run.frames[begin :: frames // count] for begin in range(frames // count)]

@@ -67,7 +67,7 @@ def run_grains(jobs, progress):
 def demo_jobs(scene):
     """The experiments of the demo, as one list for each process: the ring; the biaxial box and the shear tests."""
     shear_tests = [
-        SimpleShear(inertial_number=inertial, grains=scene.shear_grains, strain=scene.shear_strain, seed=scene.seed)
+        SimpleShear(inertial_number=inertial, n=scene.shear_grains, strain=scene.shear_strain, seed=scene.seed)
         for inertial in scene.inertial_numbers
     ]
     return [[scene.ring.model_copy(update={"seed": scene.seed})], [scene.biaxial.model_copy(update={"seed": scene.seed}), *shear_tests]]

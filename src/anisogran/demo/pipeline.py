@@ -49,7 +49,7 @@ class DemoScene:
                 grains=150, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.06,
                 duration=0.02, wall_mass=2e-5, wall_damping=0.02, samples=100,
             ),
-            ring=RingShear(grains=250, inner_radius=4.0, travel=26.0, discard=2.0, block=3.0),
+            ring=RingShear(n=250, inner_radius=4.0, travel=26.0, discard=2.0, block=3.0),
             inertial_numbers=tuple(np.geomspace(0.03, 0.1, 10)),
             shear_grains=100,
             shear_strain=2.5,

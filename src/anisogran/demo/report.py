@@ -73,7 +73,7 @@ def law(findings):
     yield heading("Constitutive law")
     yield picture(
         plots.biaxial_curves(findings.biaxial.series, found.fits, found.element),
-        f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.grains}, friction {scene.friction.mu:g}. Exponential laws "
+        f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.n}, friction {scene.friction.mu:g}. Exponential laws "
         "s = s_max - (s_max - s_0) exp(-beta eps_D), fitted up to the peak; the dashed line marks where the fit ends. "
         f"Scalar law with E and B of the response and A = E a_2/2 of the fabric{found.element_remark}; its critical state is isochoric, "
         "so it cannot follow the dilation at the peak.",

@@ -34,7 +34,7 @@ class Biaxial(Experiment):
     kind: ClassVar[str] = "biaxial"
     output_keys: ClassVar[frozenset] = frozenset({"samples"})
     quick: ClassVar[dict] = {
-        "grains": 150, "strain": 0.06, "duration": 0.02, "wall_mass": 2e-5, "wall_damping": 0.02, "samples": 100,
+        "n": 150, "strain": 0.06, "duration": 0.02, "wall_mass": 2e-5, "wall_damping": 0.02, "samples": 100,
     }  # fmt: skip
     pressure: float = scene_key("N/m", "constant pressure on the side wall", 100.0, above=0)
     contact: Linear | Luding = scene_table("normal contact law", Luding(k1=5e4, k2=1e5, kc=0.0, damping=0.1))
@@ -42,7 +42,7 @@ class Biaxial(Experiment):
     overconsolidation: float | None = scene_key(
         "N/m", "larger pressure under which the sample is pressed first", None, above=0, example=500.0
     )
-    grains: int = scene_key("1", "number of grains", 1950, at_least=20, at_most=10_000_000)
+    n: int = scene_key("1", "number of grains", 1950, at_least=20, at_most=10_000_000)
     mean_radius: float = scene_key("m", "mean radius of the grains", 1e-3, **LENGTH)
     size_ratio: float = scene_key("1", "largest over smallest radius", 3.0, at_least=1, at_most=20)
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 2000.0, above=0)
@@ -92,7 +92,7 @@ class Biaxial(Experiment):
     def loose_box(self):
         """Radii (N,), the side of the square box in which they are loose, and the random numbers that come next."""
         rng = np.random.default_rng(self.seed)
-        radius = uniform_radii(self.grains, self.mean_radius, self.size_ratio, rng)
+        radius = uniform_radii(self.n, self.mean_radius, self.size_ratio, rng)
         return radius, math.sqrt(np.sum(np.pi * radius**2) / LOOSE), rng
 
     def wall_speed(self, side, mass):

@@ -46,11 +46,11 @@ class RingShear(Experiment):
 
     kind: ClassVar[str] = "ring_shear"
     output_keys: ClassVar[frozenset] = frozenset({"frames"})
-    quick: ClassVar[dict] = {"grains": 250, "inner_radius": 4.0, "travel": 10.0, "discard": 2.0, "block": 1.0}
+    quick: ClassVar[dict] = {"n": 250, "inner_radius": 4.0, "travel": 10.0, "discard": 2.0, "block": 1.0}
     pressure: float = scene_key("N/m", "pressure on the outer ring", 1.0, above=0)
     contact: Linear | Luding = scene_table("normal contact law", Linear(stiffness=1000.0, damping=4.0))
     friction: Friction | None = scene_table("sliding friction; without it grains do not turn", Friction(stiffness=500.0, mu=0.44))
-    grains: int = scene_key("1", "number of free grains", 600, at_least=50, at_most=10_000_000)
+    n: int = scene_key("1", "number of free grains", 600, at_least=50, at_most=10_000_000)
     mean_diameter: float = scene_key("m", "mean diameter of the grains, and that of the discs on the rings", 1.0, **LENGTH)
     size_ratio: float = scene_key("1", "largest over smallest radius", 2.0, at_least=1, at_most=2.9)
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 1.0, above=0)
@@ -80,10 +80,10 @@ class RingShear(Experiment):
             )
         # a disc of uniform radius with ratio q has the mean square (q^2 + q + 1) / (3 ((q + 1)/2)^2) of its mean radius
         q, d = self.size_ratio, self.mean_diameter
-        area = self.grains * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
+        area = self.n * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
         gap = math.sqrt(self.inner_radius**2 + area / (np.pi * PRESSED)) - self.inner_radius
         if gap < 4.5 * d:
-            raise InputError(f"RingShear: grains = {self.grains} fill a gap of {gap / d:.1f} mean diameters; 4.5 are needed for profiles")
+            raise InputError(f"RingShear: n = {self.n} grains fill a gap of {gap / d:.1f} mean diameters; 4.5 are needed for profiles")
 
     def counts(self):
         """Samples that are not averaged, samples in all, and samples of a block."""
@@ -104,7 +104,7 @@ class RingShear(Experiment):
     def radii(self):
         """Radii (N,) of the free grains, and the random numbers that come next."""
         rng = np.random.default_rng(self.seed)
-        return uniform_radii(self.grains, 0.5 * self.mean_diameter, self.size_ratio, rng), rng
+        return uniform_radii(self.n, 0.5 * self.mean_diameter, self.size_ratio, rng), rng
 
     def loose(self, _):
         """The Simulation of a loose sample between the rings, the outer one pressed inwards."""
@@ -134,13 +134,13 @@ class RingShear(Experiment):
             density=self.density,
             driven=len(rings),
         )
-        mass = float(grains.mass[: self.grains].sum())
+        mass = float(grains.mass[: self.n].sum())
         piston = 0.2 * mass
         # close to critical for the piston on the sample, whose stiffness against the radius is about 2 pi k
         damping = 2 * math.sqrt(2 * math.pi * self.contact.stiffest * piston)
         # the smooth wall lies behind the centres of the wreath, where no grain comes
         boundary = Ring(outer + 0.5 * d, rim=Pressure(self.pressure, mass=piston, damping=damping), inner=len(inner_ring))
-        free = grains.mass[: self.grains]
+        free = grains.mass[: self.n]
         drag, dt = background_drag(self.contact, free), quasi_static_step(self.contact, self.friction, free)
         return Simulation(grains, self.contact, boundary=boundary, drag=drag, dt=dt)
 
@@ -195,11 +195,11 @@ class RingShear(Experiment):
 
     def measure(self, simulation):
         """One row of the series, from the forces on the discs of both rings."""
-        x, y = simulation.position[self.grains :].T
-        fx, fy = simulation.net_force[self.grains :].T
+        x, y = simulation.position[self.n :].T
+        fx, fy = simulation.net_force[self.n :].T
         distance = np.hypot(x, y)
         radial = (x * fx + y * fy) / distance
-        torque = x * fy - y * fx + simulation.torque[self.grains :]
+        torque = x * fy - y * fx + simulation.torque[self.n :]
         inner, outer = np.split(np.arange(len(x)), [simulation.boundary.inner])
         walls, outer_radius = simulation.walls, self.outer_radius(simulation)
         length = 2 * math.pi * np.array([self.inner_radius, outer_radius])

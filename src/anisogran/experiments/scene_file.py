@@ -6,7 +6,7 @@ friction = "none"       # switches off what has a default
 [contact]
 law = "luding"          # k1, k2, ...
 [quick]                 # what replaces the above in a quick run
-grains = 150
+n = 150
 """
 
 from anisogran.experiments.kinds import experiment_of

@@ -38,7 +38,7 @@ class SimpleShear(Experiment):
 
     kind: ClassVar[str] = "simple_shear"
     output_keys: ClassVar[frozenset] = frozenset({"frames"})
-    quick: ClassVar[dict] = {"inertial_number": 0.05, "grains": 100, "strain": 3.0, "discard": 1.0}
+    quick: ClassVar[dict] = {"inertial_number": 0.05, "n": 100, "strain": 3.0, "discard": 1.0}
     pressure: float = scene_key("N/m", "vertical stress; with area_fraction only the scale of the shear rate", 1.0, above=0)
     inertial_number: float | None = scene_key(
         "1", "inertial number; 0.01 unless rate is given", None, above=0, at_most=1, example=0.01
@@ -49,7 +49,7 @@ class SimpleShear(Experiment):
     )  # fmt: skip
     contact: Linear | Luding = scene_table("normal contact law", Linear(stiffness=1000.0, damping=4.0))
     friction: Friction | None = scene_table("sliding friction; without it grains do not turn", Friction(stiffness=500.0, mu=0.44))
-    grains: int = scene_key("1", "number of grains", 400, at_least=50, at_most=10_000_000)
+    n: int = scene_key("1", "number of grains", 400, at_least=50, at_most=10_000_000)
     mean_diameter: float = scene_key("m", "mean diameter of the grains", 1.0, **LENGTH)
     size_ratio: float = scene_key("1", "largest over smallest radius", 2.0, at_least=1, at_most=20)
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 1.0, above=0)
@@ -95,7 +95,7 @@ class SimpleShear(Experiment):
         """Radii (N,), width and height of the cell in which they are loose, and the random numbers that come next."""
         dense = self.area_fraction or DENSE
         rng = np.random.default_rng(self.seed)
-        radius = uniform_radii(self.grains, 0.5 * self.mean_diameter, self.size_ratio, rng)
+        radius = uniform_radii(self.n, 0.5 * self.mean_diameter, self.size_ratio, rng)
         width = math.sqrt(np.sum(np.pi * radius**2) / dense)
         return radius, (width, width * dense / LOOSE), rng
 

@@ -26,7 +26,7 @@ class Estimate(NamedTuple):
 
 def estimate(scene):
     """The Estimate of a scene, good to a factor of two; how long a preparation takes to reach equilibrium is a guess."""
-    grains = scene.grains
+    grains = scene.n
     grain_steps = float(grains) * Session(scene).steps_expected
     snapshots = 3 + getattr(scene, "frames", 0)
     memory = PROCESS + COPIES * grains * (STATE + snapshots * SNAPSHOT)
@@ -66,6 +66,6 @@ def check_memory(scene, free=None):
     needed, free = estimate(scene).memory, free_memory() if free is None else free
     if free is not None and needed > SHARE * free:
         raise InputError(
-            f"{scene.kind}: grains = {scene.grains} take about {needed / 1e9:.1f} GB of memory, "
+            f"{scene.kind}: n = {scene.n} take about {needed / 1e9:.1f} GB of memory, "
             f"more than {SHARE:.0%} of the {free / 1e9:.1f} GB that are free"
         )
