@@ -32,6 +32,7 @@ _NAMES = {
     "sweep": "sweeps",
     "sweep_status": "sweeps",
     "collect_sweep": "sweeps",
+    "study": "sweeps",
     "open": "files",
     "read_lammps": "files",
     "read_mercury": "files",

@@ -25,9 +25,9 @@ class Simulation:
     normal: Linear or Luding; friction: Friction between grains, or None; rolling: None (discs have no rolling resistance);
     gravity: (g_x, g_y) in m/s2, or None; boundary: Open, Box, Ring or Periodic; dt in s, default a tenth of `longest_step`, which is a
     fiftieth of the shortest contact time unless a dashpot is strong, and never more than `longest_step` unless `allow_coarse_dt`.
-    wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, or None; `skin` in m is
-    the reserve of the neighbour list; `ledger` asks for the book of energies, see `energy`. An absent effect is not compiled and holds no
-    memory.
+    wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, which takes velocity
+    and spin at the rate drag/mass, or None; `skin` in m is the reserve of the neighbour list; `ledger` asks for the book of energies, see
+    `energy`. An absent effect is not compiled and holds no memory.
     Driven grains move on with the velocity and the spin they are given, unless they belong to a ring or are glued to a wall of the box.
     `predecessor` and `restored` are given by `next_stage` and `load`.
     Raises InputError before the first step for anything that cannot be simulated.

@@ -3,6 +3,7 @@
 The top follows z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/duration)). Walls are smooth. The sample starts from a random loose packing
 without friction and adhesion, is pressed to equilibrium on both movable walls, under its own pressure or first under a larger one that
 several tests have in common (over-consolidation); then adhesion acts, and with the loading friction, while background damping ends.
+With friction while pressing the sample stays loose.
 """
 
 import math
@@ -14,7 +15,7 @@ import numpy as np
 from anisogran.averaging import average, contact_directions
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
-from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
+from anisogran.experiments.experiment import Experiment, check_rows, labelled_series, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
@@ -28,7 +29,8 @@ class Biaxial(Experiment):
     """Biaxial compression of discs at constant side pressure. Units: m, kg, s; pressure in N/m; mass of spheres.
 
     Radii are uniform with the given mean and ratio of largest to smallest; `strain` is the vertical strain at the end as
-    ln(z0/z), reached after `duration` s. Adhesion is absent while the sample is pressed, so that it does not clot.
+    ln(z0/z), reached after `duration` s, from where the top goes back and forth for further `half_periods`. Adhesion is absent while the
+    sample is pressed, so that it does not clot.
     """
 
     kind: ClassVar[str] = "biaxial"
@@ -42,16 +44,23 @@ class Biaxial(Experiment):
     overconsolidation: float | None = scene_key(
         "N/m", "larger pressure under which the sample is pressed first", None, above=0, example=500.0
     )
+    pressing_friction: float | None = scene_key(
+        "1", "friction coefficient while the sample is pressed, which leaves it loose", None, above=0, at_most=10, example=0.5
+    )
     n: int = scene_key("1", "number of grains", 1950, at_least=20, at_most=10_000_000)
     mean_radius: float = scene_key("m", "mean radius of the grains", 1e-3, **LENGTH)
     size_ratio: float = scene_key("1", "largest over smallest radius", 3.0, at_least=1, at_most=20)
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 2000.0, above=0)
-    strain: float = scene_key("1", "vertical strain at the end, ln(z0/z)", 0.12, above=0, below=1)
+    strain: float = scene_key("1", "largest vertical strain, ln(z0/z)", 0.12, above=0, below=1)
     duration: float = scene_key("s", "time of loading, half a period of the cosine", 0.25, above=0)
+    half_periods: int = scene_key("1", "of the cosine: 1 loads, 2 loads and unloads, more are cycles", 1, at_least=1, at_most=10_000)
     wall_mass: float = scene_key("kg", "of the side wall while loading", 0.02, above=0)
     wall_damping: float = scene_key("kg/s", "of the side wall while loading", 1.0, at_least=0)
+    drag: float | None = scene_key(
+        "kg/s", "background damping of every grain while loading, which adds to the stress of the top", None, above=0, example=0.01
+    )
     contact_steps: float = scene_key("1", "time steps in the shortest contact time", 10.0, at_least=5, at_most=1000)
-    samples: int = scene_key("1", "rows of the series after the first", 400, at_least=10, at_most=MANY)
+    samples: int = scene_key("1", "rows of the series in each half period, after the first", 400, at_least=10, at_most=MANY)
     seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
 
     def check(self):
@@ -59,6 +68,9 @@ class Biaxial(Experiment):
             raise InputError(
                 f"Biaxial: overconsolidation = {self.overconsolidation:g} must be above the pressure, {self.pressure:g} N/m, or left out"
             )
+        if self.pressing_friction is not None and self.friction is None:
+            raise InputError(f"Biaxial: pressing_friction = {self.pressing_friction:g} needs the table friction, whose stiffness it takes")
+        check_rows("Biaxial", samples=self.samples, half_periods=self.half_periods)
 
     @property
     def first_pressure(self):
@@ -72,7 +84,7 @@ class Biaxial(Experiment):
         dt = self.step(mass)
         closing = int(0.25 * side / self.wall_speed(side, mass) / dt)
         relaxing = max(1000, closing // 20) * np.arange(1, ATTEMPTS + 1)
-        loading = np.linspace(0, math.ceil(self.duration / dt), self.samples + 1).astype(int)
+        loading = np.linspace(0, self.half_periods * math.ceil(self.duration / dt), self.half_periods * self.samples + 1).astype(int)
         stages = [
             Stage("press", closing // 10 * np.arange(1, 11), begin=self.loose),
             Stage("relax", relaxing, gate=self.at_rest(self.first_pressure), expected=60),
@@ -88,6 +100,10 @@ class Biaxial(Experiment):
     def cohesionless(self):
         """The contact law without its adhesion."""
         return replace(self.contact, kc=0.0) if hasattr(self.contact, "kc") else self.contact
+
+    def rubbing(self):
+        """The friction while pressing, or None."""
+        return None if self.pressing_friction is None else replace(self.friction, mu=self.pressing_friction, mu_dynamic=None)
 
     def loose_box(self):
         """Radii (N,), the side of the square box in which they are loose, and the random numbers that come next."""
@@ -114,7 +130,7 @@ class Biaxial(Experiment):
         grains = Grains(position, radius, density=self.density)
         wall, drag = self.pressed_wall(self.first_pressure, side, grains.mass), background_drag(self.contact, grains.mass)
         box = Box(side, side, right=wall, top=wall)
-        return Simulation(grains, self.cohesionless(), boundary=box, drag=drag, dt=self.step(grains.mass))
+        return Simulation(grains, self.cohesionless(), self.rubbing(), boundary=box, drag=drag, dt=self.step(grains.mass))
 
     def released(self, pressed):
         """The Simulation of the pressed sample under the pressure of the test, with its adhesion."""
@@ -133,11 +149,11 @@ class Biaxial(Experiment):
         return equilibrium(self.contact.stiffest, stress_error)
 
     def loaded(self, prepared):
-        """The Simulation of the prepared sample with friction and without background damping, its top about to come down."""
+        """The Simulation of the prepared sample with its friction and the background damping of loading, its top about to come down."""
         _, width, _, height = prepared.walls.position
         side = Pressure(self.pressure, mass=self.wall_mass, damping=self.wall_damping)
-        box = Box(width, height, right=side, top=Cosine(height, height * math.exp(-self.strain), self.duration))
-        return prepared.next_stage(boundary=box, friction=self.friction, drag=None)
+        top = Cosine(height, height * math.exp(-self.strain), self.duration, half_periods=self.half_periods)
+        return prepared.next_stage(boundary=Box(width, height, right=side, top=top), friction=self.friction, drag=self.drag)
 
     def look(self, simulation, records, k):
         """Records a row, and the snapshots "start", "peak" (of s_D), "end" and those at the strains of the lecture's slides."""

@@ -13,6 +13,7 @@ from anisogran.fitting.initial_slope import initial_moduli
 from anisogran.fitting.law_calibration import calibrate
 from anisogran.fitting.law_curves import Curve
 from anisogran.fitting.observations import DataSet
+from anisogran.fitting.peak import Peak, peak
 from anisogran.fitting.probes import probed_moduli
 from anisogran.fitting.result import FitResult
 from anisogran.fitting.whole_curve import path_moduli
@@ -26,6 +27,7 @@ __all__ = [
     "FitResult",
     "LawFit",
     "Misfit",
+    "Peak",
     "Verdict",
     "area_fraction",
     "calibrate",
@@ -37,6 +39,7 @@ __all__ = [
     "mohr_coulomb_lines",
     "mu_of_I",
     "path_moduli",
+    "peak",
     "probed_moduli",
     "relaxation",
     "relaxations",

@@ -3,5 +3,6 @@
 from anisogran.sweeps.collecting import collect_sweep
 from anisogran.sweeps.folder import sweep_status
 from anisogran.sweeps.running import sweep
+from anisogran.sweeps.study import study
 
-__all__ = ["collect_sweep", "sweep", "sweep_status"]
+__all__ = ["collect_sweep", "study", "sweep", "sweep_status"]

@@ -25,6 +25,7 @@ class CosineParameters(NamedTuple):
     end: float
     begin: float
     duration: float
+    half_periods: float
 
 
 class PathParameters(NamedTuple):
@@ -51,19 +52,23 @@ class Fixed:
 class Cosine:
     """The lecture's strain control z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/duration)), from `start` to `end` (m) in `duration` (s).
 
-    The motion begins at time `begin` and rests afterwards, with zero speed at both ends.
+    The motion begins at time `begin`, goes back and forth for that many `half_periods`, a whole number, and rests afterwards; its speed
+    is zero at all turns. Raises InputError for values out of bounds.
     """
 
     start: float
     end: float
     duration: float
     begin: float = 0.0
+    half_periods: int = 1
 
     def __post_init__(self):
         checked("Cosine", "duration", self.duration, above=0, unit="s")
+        if checked("Cosine", "half_periods", self.half_periods, at_least=1) != int(self.half_periods):
+            raise InputError(f"Cosine: half_periods = {self.half_periods} must be a whole number")
 
     def parameters(self):
-        return CosineParameters(float(self.start), float(self.end), float(self.begin), float(self.duration))
+        return CosineParameters(*map(float, (self.start, self.end, self.begin, self.duration, self.half_periods)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +147,7 @@ def _hold(motion, position, velocity, force, length, sense, time, dt):
 
 
 def _follow(motion, position, velocity, force, length, sense, time, dt):
-    phase = math.pi * min(max((time - motion.begin) / motion.duration, 0.0), 1.0)
+    phase = math.pi * min(max((time - motion.begin) / motion.duration, 0.0), motion.half_periods)
     half = 0.5 * (motion.start - motion.end)
     position = motion.end + half * (1.0 + math.cos(phase))
     return position, -half * math.pi / motion.duration * math.sin(phase)
