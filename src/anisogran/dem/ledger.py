@@ -12,7 +12,21 @@ from anisogran.dem.boundaries import lattice, touch
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
 from anisogran.dem.rows import (
-    DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, INVERSE_INERTIA, INVERSE_MASS, SPIN, SUM_SPIN, TORQUE, VX, VY,
+    DIFFERENCE_RADIUS,
+    DIFFERENCE_SPIN,
+    DU,
+    DV,
+    DX,
+    DY,
+    FX,
+    FY,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
+    SPIN,
+    SUM_SPIN,
+    TORQUE,
+    VX,
+    VY,
     pair_columns,
 )  # fmt: skip
 from anisogran.dem.specialisation import block, unaliased

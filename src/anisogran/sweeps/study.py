@@ -52,6 +52,4 @@ class _Line:
 
     def __call__(self, progress):
         end = "\n" if progress.finished + progress.failed == progress.cases else "\r"
-        print(
-            f"{self.name}: {progress.finished} of {progress.cases} cases, {progress.fraction:4.0%}", end=end, file=sys.stderr, flush=True
-        )
+        print(f"{self.name}: {progress.finished} of {progress.cases} cases, {progress.fraction:4.0%}", end=end, file=sys.stderr, flush=True)
