@@ -39,6 +39,17 @@ def test_nan_at_the_end_is_left_out():
     assert ag.fit.peak(padded, 3.0 * padded) == ag.fit.peak(strain, 3.0 * strain)
 
 
+def test_many_curves_at_once():
+    strain = np.broadcast_to(np.linspace(0.0, 0.1, 101), (2, 3, 101))
+    height = np.arange(1.0, 7.0).reshape(2, 3, 1)
+    found = ag.fit.peak(strain, height * np.sin(20 * strain))
+    assert found.value.shape == found.strain.shape == (2, 3)
+    one = ag.fit.peak(strain[1, 2], 6.0 * np.sin(20 * strain[1, 2]))
+    assert (found.value[1, 2], found.strain[1, 2]) == one
+    with pytest.raises(ag.InputError, match=r"one shape, have \(2, 3, 101\) and \(2, 3, 100\)"):
+        ag.fit.peak(strain, strain[..., 1:])
+
+
 @pytest.mark.parametrize(
     ("strain", "words"),
     [

@@ -19,13 +19,24 @@ class Peak(NamedTuple):
 
 
 def peak(strain, stress, width=0.004):
-    """`Peak` of stress(strain), rows of one length: the largest average over `width` of strain, on a uniform grid of strain.
+    """`Peak` of stress(strain): the largest average over `width` of strain, on a uniform grid of strain.
 
-    The curve is taken as straight between its points, strain growing; points that are not finite are left out. The highest point of
-    the raw curve lies above it by noise and by the ringing of walls. Raises InputError for a strain that does not grow or spans less
-    than the width.
+    One curve, shape (n,), or many, shape (..., n): then value and strain have shape (...). A curve is taken as straight between its
+    points, strain growing; points that are not finite are left out. The highest point of the raw curve lies above the peak by noise and
+    by the ringing of walls. Raises InputError for a strain that does not grow or spans less than the width.
     """
     width = checked("peak", "width", width, above=0)
+    if np.ndim(strain) < 2:
+        return _peak(strain, stress, width)
+    strain, stress = np.asarray(strain), np.asarray(stress)
+    if strain.shape != stress.shape:
+        raise InputError(f"peak: strain and stress must have one shape, have {strain.shape} and {stress.shape}")
+    curves = np.stack([strain, stress], axis=-2).reshape(-1, 2, strain.shape[-1])
+    found = np.array([_peak(*curve, width) for curve in curves])
+    return Peak(*found.T.reshape(2, *strain.shape[:-1]))
+
+
+def _peak(strain, stress, width):
     (strain, stress), _ = finite_rows("peak", strain=strain, stress=stress)
     if np.any(np.diff(strain) < 0.0):
         raise InputError("peak: the strain must grow; give one loading at a time")

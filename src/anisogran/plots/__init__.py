@@ -5,9 +5,11 @@ from anisogran.plots.costs import cost_figure
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.element import element_figure
 from anisogran.plots.fits import FittedCurve, fit_figure
+from anisogran.plots.grain_values import biaxial_pictures
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
 from anisogran.plots.mohr_circles import mohr_circles_figure
+from anisogran.plots.panels import Panel, panels_figure
 from anisogran.plots.ring import ring_fields, velocity_comparison
 from anisogran.plots.snapshots import chain_figure, draw_packing, packings
 from anisogran.plots.stiffness import stiffness_figure
@@ -15,7 +17,9 @@ from anisogran.plots.style import figure
 
 __all__ = [
     "FittedCurve",
+    "Panel",
     "biaxial_curves",
+    "biaxial_pictures",
     "chain_figure",
     "contact_law_figure",
     "cost_figure",
@@ -29,6 +33,7 @@ __all__ = [
     "friction_law",
     "mohr_circles_figure",
     "packings",
+    "panels_figure",
     "ring_fields",
     "stiffness_figure",
     "velocity_comparison",
