@@ -59,6 +59,16 @@ def test_cosine_waits_for_its_beginning():
         assert found == (pytest.approx(position), pytest.approx(speed, abs=1e-15))
 
 
+def test_cosine_goes_back_and_forth():
+    motion = Cosine(4.0, 3.0, duration=2.0, half_periods=3).parameters()
+    turns = ((1.0, 3.5, -1), (2.0, 3.0, 0), (3.0, 3.5, 1), (4.0, 4.0, 0), (5.0, 3.5, -1), (6.0, 3.0, 0), (9.0, 3.0, 0))
+    for time, position, sense in turns:
+        found = move(motion, 4.0, 0.0, 0.0, 1.0, 1.0, time, 0.1)
+        assert found == (pytest.approx(position), pytest.approx(sense * math.pi / 4, abs=1e-15))
+    with pytest.raises(InputError, match=r"half_periods = 1\.5 must be a whole number"):
+        Cosine(4.0, 3.0, 2.0, half_periods=1.5)
+
+
 def followed(path, times):
     """Positions and speeds (n,) of a wall on that path."""
     motion = path.parameters()

@@ -90,6 +90,37 @@ def test_over_consolidation_is_common_and_without_adhesion():
     assert float(started[800.0].area_fraction) > float(started[None].area_fraction) + 0.002
 
 
+LIGHT = {"n": 150, "wall_mass": 2e-5, "wall_damping": 0.02, "duration": 0.02, "samples": 40, "seed": 3}
+
+
+def test_the_top_comes_back():
+    """Two half periods: the strain returns to zero, what was pressed together stays denser or looser, and unloading is stiff."""
+    s = Biaxial(friction=Friction(2e4, 0.5), strain=0.01, half_periods=2, **LIGHT).run().series
+    assert s.sizes["time"] == 81
+    np.testing.assert_allclose(s.eps_zz.values, s.eps_zz.values[::-1], atol=1e-5)  # whole steps of time fall beside the turn
+    assert float(s.eps_zz[40]) == pytest.approx(0.01, abs=1e-9)
+    down, up = s.sigma_zz.values[15], s.sigma_zz.values[65]  # the same strain, on the way there and back
+    assert down > 1.3 * up
+    assert float(s.sigma_zz[-1]) < float(s.sigma_xx[-1])  # passive: now the side is stronger
+
+
+def test_friction_while_pressing_leaves_the_sample_loose():
+    dense, loose = (Biaxial(friction=Friction(2e4, 0.5), pressing_friction=mu, strain=0.03, **LIGHT).run() for mu in (None, 0.5))
+    assert float(loose.series.area_fraction[0]) < float(dense.series.area_fraction[0]) - 0.015
+    assert float(loose.series.coordination_number[0]) < float(dense.series.coordination_number[0]) - 0.3  # 3 hold a grain, not 4
+    assert float(loose.series.eps_V.max()) > 1.2 * float(dense.series.eps_V.max())  # and it is pressed together more
+
+
+def test_drag_while_loading_presses_on_the_top():
+    """A grain at z moves with rate z, so drag alone adds N drag rate/2; what holds the sides back adds to that."""
+    scene = Biaxial(strain=0.04, **LIGHT)
+    free, held = scene.run().series, Biaxial(**{**scene.model_dump(), "drag": 0.02}).run().series
+    middle = slice(15, 26)
+    rate = np.gradient(free.eps_zz.values, free.time.values)[middle].mean()
+    alone = 0.5 * scene.n * 0.02 * rate  # N/m, of 160
+    assert alone < float((held.sigma_zz - free.sigma_zz)[middle].mean()) < 4 * alone
+
+
 def test_strain_measures_are_half_half(biaxial):
     s = biaxial.series
     np.testing.assert_allclose(s.eps_V + s.eps_D, s.eps_zz, atol=1e-15)
@@ -383,6 +414,8 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
     [
         (lambda: Biaxial(pressure=-1.0), "Biaxial: pressure = -1 must be above 0 N/m"),
         (lambda: Biaxial(overconsolidation=100.0), "overconsolidation = 100 must be above the pressure, 100 N/m, or left out"),
+        (lambda: Biaxial(pressing_friction=0.3), "pressing_friction = 0.3 needs the table friction, whose stiffness it takes"),
+        (lambda: Biaxial(half_periods=5000), "Biaxial: samples = 400 and half_periods = 5000 make 2e\\+06 rows of the series"),
         (lambda: Biaxial(presure=1.0), "Biaxial: unknown key 'presure', did you mean 'pressure'\\? biaxial has pressure, contact"),
         (lambda: Biaxial(n=3), "Biaxial: n = 3 must be at least 20"),
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),

@@ -43,11 +43,15 @@ def draw_values(axes, snapshot, values, scale):
 
 
 def biaxial_pictures(snapshots, titles, size=3.2):
-    """Force chains, kinetic energy and rotations (rows) of several snapshots (columns), as on the lecture's slides of the biaxial box."""
+    """Force chains, kinetic energy and rotations (rows) of several snapshots (columns), as on the lecture's slides of the biaxial box.
+
+    There is no row of rotations if no grain turns.
+    """
     rows = {
         "kinetic energy [J]": ([kinetic_energies(one) for one in snapshots], decades_scale),
         "spin [1/s], counter-clockwise positive": ([one.spin for one in snapshots], signed_scale),
     }
+    rows = {meaning: row for meaning, row in rows.items() if any(values.any() for values in row[0])}
     fig, axes = figure(len(snapshots), 1 + len(rows), size, size)
     for place, snapshot, title in zip(axes[0], snapshots, titles, strict=True):
         draw_packing(place, snapshot, title)
