@@ -47,6 +47,29 @@ def test_biaxial_calibration(tmp_path, capsys):
     assert "sigma_zz: rms" in capsys.readouterr().out
 
 
+STUDIES = ("biaxial_cohesion", "biaxial_friction", "biaxial_pressure", "biaxial_density", "biaxial_cycles", "simple_shear")
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_makes_one_file_and_does_nothing_twice(tmp_path, name):
+    path = tmp_path / f"{name}.h5"
+    made = script(ROOT / "data_generation" / f"{name}.py").main([str(path), "--quick"])
+    states = [str(state) for group in made.children for state in made[f"{group}/cases"].state.values.ravel()]
+    assert states
+    assert set(states) == {"finished"}
+    begun = {file: file.stat().st_mtime_ns for file in (tmp_path / name).rglob("results.h5")}
+    assert len(begun) == len(states)
+    script(ROOT / "data_generation" / f"{name}.py").main([str(path), "--quick"])
+    assert {file: file.stat().st_mtime_ns for file in begun} == begun
+    kept = ag.open(path)
+    assert kept.attrs["sources"]
+    for group in made.children:
+        assert 'kind = "' in kept[f"{group}/cases"].attrs["scene"]
+        series = kept[f"{group}/series"].to_dataset()
+        assert series.equals(made[f"{group}/series"].to_dataset())
+        assert all(values.dtype == np.float32 and np.isfinite(values).all() for values in series.data_vars.values())
+
+
 def test_contact_law(tmp_path, capsys):
     adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
     assert (tmp_path / "law.png").stat().st_size > 10_000
