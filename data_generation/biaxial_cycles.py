@@ -2,7 +2,7 @@
 
     python data_generation/biaxial_cycles.py biaxial_cycles.h5 [--quick]
 
-One loading to 2 % and back, and twenty cycles of 0.4 %, at constant side pressure, with friction; 12 tests, about 8 minutes on two cores;
+One loading to 2 % and back, and ten cycles of 0.4 %, at constant side pressure, with friction; 12 tests, about 4 minutes on two cores;
 it can be stopped and goes on. The scene is biaxial.toml. --quick makes a rough version in seconds. Read by fits/cycles.py.
 """
 
@@ -13,7 +13,7 @@ from anisogran import read_scene, study
 
 SCENE = Path(__file__).with_name("biaxial.toml")
 REVERSAL = ["strain=0.02", "duration=0.1", "half_periods=2"]
-CYCLES = ["strain=0.004", "duration=0.03", "half_periods=40", "samples=40"]
+CYCLES = ["strain=0.004", "duration=0.02", "half_periods=20", "samples=40"]
 SEEDS = range(1, 7)
 SERIES = ["eps_zz", "eps_xx", "sigma_zz", "sigma_xx", "s_D", "anisotropy", "fabric_trace", "area_fraction"]
 

@@ -1,6 +1,6 @@
 """Load reversal and isobaric cycles against the scalar model: `python fits/cycles.py [biaxial_cycles.h5 [FIGURE.png]]`.
 
-The model is fitted to the mean over seeds of one loading to 2 % of vertical strain and back, and is then run along twenty cycles of 0.4 %,
+The model is fitted to the mean over seeds of one loading to 2 % of vertical strain and back, and is then run along ten cycles of 0.4 %,
 which it has not seen. (Fitted to the loading alone, it may give an A that no stable material has when it is unloaded: E B <= A^2.)
 Ratcheting is what the volume strain moves in one whole cycle. The file is made by data_generation/biaxial_cycles.py; that of the full
 run is in fits/data/.
