@@ -168,7 +168,7 @@ class Biaxial(Experiment):
             records.snapshots["peak"] = snapshot
         for strain in SHOWN:
             if before < strain <= row["eps_zz"]:
-                records.snapshots[f"eps_zz-{strain:.3f}"] = snapshot
+                records.snapshots.setdefault(f"eps_zz-{strain:.3f}", snapshot)  # of several cycles, the first
         records.snapshots["end"] = snapshot
 
     def measure(self, simulation, snapshot):
