@@ -23,6 +23,7 @@ _NAMES = {
     "average": "averaging",
     "contact_directions": "averaging",
     "force_network": "averaging",
+    "fragments": "averaging",
     "grain_chains": "averaging",
     "RingFlow": "continuum",
     "Biaxial": "experiments",

@@ -145,6 +145,13 @@ GLOSSARY = {
     "chain_share": Quantity("s_g", "1", "share of the grains that are in force chains"),
     "mean_axis": Quantity(r"\langle\theta_c\rangle", "rad", "mean direction of all links of force chains", math.pi),
     "alignment": Quantity(r"|\langle e^{2i\theta}\rangle|", "1", "alignment of the links of force chains, 1 if all are parallel"),
+    # fragments: clusters of grains that contacts connect
+    "fragment_of": Quantity("k", "1", "number of the fragment of the grain, 0 for that of the largest mass, -1 for a grain of a wall"),
+    "fragment_grains": Quantity("n_k", "1", "grains of the fragment"),
+    "fragment_mass": Quantity("m_k", "kg", "mass of the fragment"),
+    "fragments": Quantity("N_k", "1", "number of fragments, the clusters of free grains that contacts connect"),
+    "largest_fragment": Quantity(r"m_0/\sum m_k", "1", "mass of the largest fragment over that of all free grains"),
+    "mean_fragment_mass": Quantity(r"\langle m_k\rangle", "kg", "mean mass of the fragments"),
     # internal variables of the laws at a point
     "A": Quantity("A", "N/m", "anisotropy modulus, positive if stiffer along z"),
     "A_1": Quantity("A_1", "N/m", "anisotropy modulus A cos(2 phi_C), phi_C the stiff axis from x"),

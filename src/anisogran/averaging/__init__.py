@@ -7,10 +7,11 @@ from anisogran.averaging.densities import densities
 from anisogran.averaging.directions import contact_directions, contact_network, fourier_coefficients
 from anisogran.averaging.fields import KNOWN, extensive_needs, field_values, known_at
 from anisogran.averaging.force_chains import force_network, grain_chains
+from anisogran.averaging.fragments import fragments
 from anisogran.averaging.places import Grid, Points, Rings, WholeBox
 
 __all__ = [
     "KNOWN", "Grid", "Points", "Rings", "TimeBlocks", "WholeBox", "average", "contact_directions", "contact_network", "densities", "drift",
-    "extensive_needs", "field_profiles", "field_values", "force_network", "fourier_coefficients", "grain_chains", "known_at",
+    "extensive_needs", "field_profiles", "field_values", "force_network", "fourier_coefficients", "fragments", "grain_chains", "known_at",
     "mean_and_error", "place_of",
 ]  # fmt: skip
