@@ -419,6 +419,35 @@ def test_the_next_stage_begins_with_the_forces_of_the_last():
     assert (s.memory.largest[0], s.memory.spring[0]) == (1e-6, 0.5)
 
 
+def test_grains_can_be_glued_to_walls_later():
+    """Renumbered, those of each wall last; every contact keeps its memory, and so its force; from then on they ride."""
+    law, friction = Luding(5e2, 1e3, 400.0), Friction(5e2, 0.5)
+    position = [[2.0, 2.49], [2.0, 0.55], [0.9, 1.6], [2.0, 1.52], [3.3, 0.45]]
+    velocity = [[0.3, -1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
+    sim = Simulation(Grains(position, 0.5, mass=np.arange(1.0, 6.0), velocity=velocity), law, friction=friction, boundary=Box(4.0, 3.0))
+    sim.run(300)
+    top, bottom = (np.arange(5) == k for k in (0, 1))
+    none = np.zeros(5, bool)
+    box = Box(4.0, 3.0, top=Cosine(3.0, 3.1, 1e-2), glued=(0, 0, 1, 1))
+    stage = sim.next_stage(boundary=box, driven=[none, none, bottom, top])
+    order = [2, 3, 4, 1, 0]
+    np.testing.assert_array_equal(stage.grains.mass, sim.grains.mass[order])
+    np.testing.assert_array_equal(stage.position, sim.position[order])
+    assert sim.snapshot().pairs.tolist() == [[1, 3], [3, 0], [1, -3]]
+    held = 3  # it touches both glued ones, and nothing else
+    np.testing.assert_allclose(stage.net_force[1], sim.net_force[held], rtol=1e-12)
+    assert np.abs(stage.net_force[1]).max() > 1.0
+    fresh = Simulation(replace(sim.grains, position=sim.position, velocity=sim.velocity), law, friction=friction, boundary=Box(4.0, 3.0))
+    assert np.abs(fresh.net_force[held] - sim.net_force[held]).max() > 0.1  # the memory matters
+    stage.run(int(2e-2 / stage.dt))
+    np.testing.assert_allclose(stage.position[4], sim.position[0] + [0.0, 0.1], rtol=1e-9)
+    np.testing.assert_array_equal(stage.position[3], sim.position[1])
+    with pytest.raises(InputError, match=r"^next_stage: driven has grain 1 twice"):
+        sim.next_stage(boundary=box, driven=[none, none, bottom, bottom])
+    with pytest.raises(InputError, match=r"^next_stage: driven has the shape \(1, 3\) of bool; it must be \(5,\) bool"):
+        sim.next_stage(boundary=box, driven=none[:3])
+
+
 def test_a_periodic_cell_tells_how_its_images_move():
     """Lattice vectors as rows, and their rates: the image above moves with the shear, those at the sides with the stretch."""
     sheared = Periodic(4.0, 3.0, shear_rate=0.5)

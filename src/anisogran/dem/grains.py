@@ -68,3 +68,18 @@ class Grains:
 
     def __len__(self):
         return len(self.radius)
+
+
+def driven_last(n, driven):
+    """(old numbers (n,) in an order that ends with the driven grains, how many these are); `driven`: (n,) bool, or a list of such.
+
+    Raises InputError for a mask of another shape and for a grain that is in two of them.
+    """
+    masks = np.atleast_2d(np.asarray(driven))
+    if masks.dtype != bool or masks.shape[1:] != (n,):
+        raise InputError(f"next_stage: driven has the shape {masks.shape} of {masks.dtype}; it must be ({n},) bool, or a list of such")
+    twice = np.flatnonzero(masks.sum(axis=0) > 1)
+    if twice.size:
+        raise InputError(f"next_stage: driven has grain {twice[0]} twice; it can ride on one wall only")
+    order = np.concatenate([np.flatnonzero(~masks.any(axis=0)), *(np.flatnonzero(mask) for mask in masks)])
+    return order, int(masks.sum())

@@ -9,7 +9,7 @@ from anisogran.dem.boundaries import Open
 from anisogran.dem.checkpoint import checkpoints, loaded, save
 from anisogran.dem.contacts import contact_table
 from anisogran.dem.energies import energies, kinetic_energy
-from anisogran.dem.grains import Grains
+from anisogran.dem.grains import Grains, driven_last
 from anisogran.dem.interrupts import interrupts_deferred
 from anisogran.dem.limits import CAUSES, START_OVERLAP, STARTS, check_effects, doubts, gravity_vector, longest_step
 from anisogran.dem.rows import SPIN, TORQUE
@@ -61,7 +61,8 @@ class Simulation:
             restored.fill(self)
             return
         if predecessor is not None:
-            inherit(self._state, predecessor._state)
+            before, order = predecessor
+            inherit(self._state, before._state, order)
         self._build(start=predecessor is None)
         find_forces(self._state)
         if ledger:
@@ -165,13 +166,20 @@ class Simulation:
         """A new simulation of the grains as they are now, with some of the arguments of this one changed; its time begins at 0.
 
         The boundary is always given, with its walls where they are now. Contact memory (largest overlap, tangential spring) is kept
-        where both stages have the effect. `position` and `velocity` may be given anew. How far this stage is from equilibrium
-        (mean net force by mean contact force) is kept as `unbalanced_force` of the new one.
+        where both stages have the effect. `position` and `velocity` may be given anew. With `driven`, (N,) bool or a list of such, one
+        for each wall of a box in their order, these grains belong to walls from now on: they become the last ones, and the Box says
+        how many are glued to each wall; the other grains keep their order. How far this stage is from equilibrium (mean net force by
+        mean contact force) is kept as `unbalanced_force` of the new one. Raises InputError for a grain that is to ride on two walls.
         """
         position, velocity = changes.pop("position", self.position), changes.pop("velocity", self.velocity)
         grains = replace(self.grains, position=position, velocity=velocity, spin=self.spin)
+        order = None
+        if "driven" in changes:
+            order, driven = driven_last(len(grains), changes.pop("driven"))
+            rows = {name: getattr(grains, name)[order] for name in ("position", "radius", "mass", "velocity", "spin")}
+            grains = replace(grains, driven=driven, **rows)
         arguments = {**self.arguments(), "boundary": boundary, "allow_coarse_dt": "dt" not in changes, **changes}
-        stage = Simulation(grains, predecessor=self, **arguments)
+        stage = Simulation(grains, predecessor=(self, order), **arguments)
         stage.unbalanced_force = self.force_imbalance()
         return stage
 

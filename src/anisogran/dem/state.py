@@ -83,11 +83,14 @@ def make_room(state):
             mine[:used] = theirs[:used]
 
 
-def inherit(state, before):
-    """Takes over the pair list and the contact memory of the stage before, in the order in which `state` keeps its grains."""
+def inherit(state, before, order=None):
+    """Takes over the pair list and the contact memory of the stage before, in the order in which `state` keeps its grains.
+
+    `order` (N,): the numbers that the user's grains had in the stage before, if they are renumbered.
+    """
     s = state
     place = np.empty(len(s.order), np.int64)
-    place[s.order] = np.arange(len(s.order))
+    place[s.order if order is None else order[s.order]] = np.arange(len(s.order))
     moved = place[before.order]  # where the grains of the stage before are now
     used = int(before.pairs.start[-1])
     ends = moved[np.stack([before.pairs.first[:used], before.pairs.second[:used]])]
