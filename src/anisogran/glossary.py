@@ -39,6 +39,8 @@ GLOSSARY = {
     "x": Quantity("x", "m", "horizontal position"),
     "y": Quantity("y", "m", "position along the second axis"),
     "z": Quantity("z", "m", "height"),
+    "width": Quantity("w", "m", "width of a sample with free sides: sqrt(12) times the spread of its area along x"),
+    "floor_height": Quantity("z_f", "m", "height of a floor that moves"),
     "volume": Quantity("V", "m2", "area (in space: volume) that was averaged over"),
     "depth": Quantity("(r - R_i)/d", "1", "distance from the inner ring in mean grain diameters"),
     # strain, half/half
@@ -111,6 +113,7 @@ GLOSSARY = {
     "elastic_energy": Quantity("E_e", "J", "energy that all contacts can give back"),
     "spin_rms": Quantity(r"\omega_\mathrm{rms}", "1/s", "root mean square spin of the grains"),
     "kinetic_energy": Quantity("E_k", "J", "kinetic energy of the free grains, spin included"),
+    "granular_temperature": Quantity("T", "J", "granular temperature, kinetic energy a grain: of two directions half as much each"),
     # contact network: directions, forces, chains
     "angle": Quantity(r"\theta", "rad", "angle of the contact normal, from the centre of the grain", 2 * math.pi),
     "contact_density": Quantity(r"f(\theta)", "1/rad", "probability density of the contact normals"),

@@ -17,7 +17,8 @@ class Key:
     """One key of a record: its unit ("1" if it has none), meaning, and bounds (None: unbounded).
 
     `example` is what a template shows where there is no default to show. From the annotation of the field come `default` (REQUIRED if
-    it must be given), `whole` (a whole number), `optional` (None switches it off) and `records`, the classes of a key that is a table.
+    it must be given), `whole` (a whole number), `optional` (None switches it off), `records`, the classes of a key that is a table, and
+    `words`, of which a key that is no number is one.
     """
 
     unit: str
@@ -31,6 +32,7 @@ class Key:
     whole: bool = False
     optional: bool = False
     records: tuple = ()
+    words: tuple = ()
 
     @property
     def bounds(self):
@@ -39,7 +41,9 @@ class Key:
 
     @property
     def range(self):
-        """The bounds in words, "above 0, at most 1"; empty without any."""
+        """The bounds in words, "above 0, at most 1", or the words that it may be; empty without any."""
+        if self.words:
+            return f"one of {', '.join(self.words)}"
         return ", ".join(f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items() if bound is not None)
 
     @property
@@ -54,9 +58,14 @@ def key(unit, meaning, default=MISSING, *, example=None, **bounds):
 
 
 def typed(annotation):
-    """`whole`, `optional` and `records` of a Key, from the annotation of its field."""
+    """`whole`, `optional`, `records` and `words` of a Key, from the annotation of its field; words are a Literal of texts."""
     parts = get_args(annotation) or (annotation,)
-    return {"whole": int in parts, "optional": NoneType in parts, "records": tuple(part for part in parts if is_dataclass(part))}
+    return {
+        "whole": int in parts,
+        "optional": NoneType in parts,
+        "records": tuple(part for part in parts if is_dataclass(part)),
+        "words": tuple(part for part in parts if isinstance(part, str)),
+    }
 
 
 def record_keys(record):
@@ -74,7 +83,12 @@ def check_keys(record):
 
 
 def check_value(where, name, one, value):
-    """The value of a number key as int, float or None. Raises InputError naming where, key, value and the bound that it breaks."""
+    """The value of a key as int, float, one of its words, or None. Raises InputError naming where, key, value and the broken bound."""
+    if one.words:
+        if not isinstance(value, str) or value not in one.words:
+            guess = f"; did you mean {closest(value, one.words)!r}?" if isinstance(value, str) else ""
+            raise InputError(f"{where}: {name} = {shown(value)} must be {one.range}{guess}")
+        return value
     if value is None and one.optional:
         return None
     if isinstance(value, bool | str):  # Python would take both for numbers

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from anisogran import Biaxial, Friction, Linear, Luding, RingShear, SimpleShear
+from anisogran import Biaxial, Friction, Linear, Luding, RingShear, SimpleShear, Tablet
 from anisogran.experiments import KINDS, read_scene
 from anisogran.keys import REQUIRED
 from anisogran.outcome import InputError
@@ -183,9 +183,9 @@ def test_nothing_is_no_value_of_what_must_be_there(make, words):
 
 
 MISTAKES = [
-    ("", "kind is missing; it must be one of biaxial, ring_shear, simple_shear"),
-    ('kind = "biaxal"', "kind = 'biaxal' must be one of biaxial, ring_shear, simple_shear; did you mean 'biaxial'?"),
-    ("kind = 3", "kind = 3 must be one of biaxial, ring_shear, simple_shear"),
+    ("", "kind is missing; it must be one of biaxial, cohesive_gas, ring_shear, simple_shear, tablet"),
+    ('kind = "biaxal"', "kind = 'biaxal' must be one of biaxial, cohesive_gas, ring_shear, simple_shear, tablet; did you mean 'biaxial'?"),
+    ("kind = 3", "kind = 3 must be one of biaxial, cohesive_gas, ring_shear, simple_shear, tablet"),
     ('kind = "biaxial"\npresure = 1', "unknown key 'presure', did you mean 'pressure'? biaxial has pressure, contact, friction"),
     ('kind = "biaxial"\nquik = 1', "unknown key 'quik', did you mean 'quick'?"),
     ('kind = "biaxial"\n"pres\\nsure" = 1', "unknown key 'pres\\nsure', did you mean 'pressure'?"),
@@ -238,7 +238,7 @@ def places():
     """(kind, table or None, law or None, key, Key) of every number that any scene file may hold."""
     for kind, experiment in KINDS.items():
         for name, one in keys_of(experiment).items():
-            if not one.records:
+            if not one.records and not one.words:
                 yield kind, None, None, name, one
             for record in one.records:
                 law = name_of(record) if len(one.records) > 1 else None
@@ -257,6 +257,27 @@ def with_value(kind, table, law, key, value):
     lines = [f"law = {name!r}"] * (name is not None)
     lines += [f"{other} = {number}" for other, number in plain_table(record).items() if other != key]
     return "\n".join([f'kind = "{kind}"', f"[{table}]", *lines, f"{key} = {value}"]), f"scene.toml: [{table}] {key}"
+
+
+def test_a_key_may_be_one_of_some_words(scene, complaint):
+    """In a file, as an option, in Python and in the schema; nothing else is."""
+    validator = Draft202012Validator(scene_schema(KINDS["tablet"]))
+    wanted = "must be one of compression, tension, vibration"
+    wrong = {
+        '"tensoin"': f" = 'tensoin' {wanted}; did you mean 'tension'?",
+        '"none"': f" = 'none' {wanted}; did you mean 'tension'?",
+        "3": f" = 3 {wanted}",
+        "true": f" = True {wanted}",
+        "[1.0]": f" {wanted}, not a list",
+        "{ a = 1.0 }": f" {wanted}, not a table",
+    }
+    for value, words in wrong.items():
+        text = f'kind = "tablet"\ntest = {value}\n'
+        assert complaint(text) == f"scene.toml: test{words}"
+        assert not validator.is_valid(tomllib.loads(text))
+    assert scene('kind = "tablet"\ntest = "tension"') == scene('kind = "tablet"', "test=tension") == Tablet(test="tension")
+    with pytest.raises(InputError, match=rf"^Tablet: test = 'shear' {wanted}; did you mean"):
+        Tablet(test="shear")
 
 
 def beyond(bound, words, whole):

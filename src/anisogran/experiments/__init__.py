@@ -1,10 +1,12 @@
 """The experiments: a scene and its protocol (prepare, relax, load), one per file; and the files that hold scenes."""
 
 from anisogran.experiments.biaxial import Biaxial
+from anisogran.experiments.cohesive_gas import CohesiveGas
 from anisogran.experiments.experiment import Experiment
 from anisogran.experiments.kinds import KINDS, experiment_of
 from anisogran.experiments.ring_shear import RingShear
 from anisogran.experiments.scene_file import read_scene
 from anisogran.experiments.simple_shear import SimpleShear
+from anisogran.experiments.tablet import Tablet
 
-__all__ = ["KINDS", "Biaxial", "Experiment", "RingShear", "SimpleShear", "experiment_of", "read_scene"]
+__all__ = ["KINDS", "Biaxial", "CohesiveGas", "Experiment", "RingShear", "SimpleShear", "Tablet", "experiment_of", "read_scene"]

@@ -10,10 +10,11 @@ RADIUS = 1e-6, 0.2  # m: dust to cobbles; grains given in mm are mostly above
 def doubts_of(scene):
     """Sentences about what is implausible in a scene, each with key, value and likely cause; none for most scenes.
 
-    Scenes in reduced units, where density and mean diameter are 1, are judged by their stiffness alone.
+    Scenes in reduced units, where density and mean diameter are 1, are judged by their stiffness alone; those without a pressure are
+    not judged by it.
     """
     doubts = []
-    for table, one in keys_of(scene).items():
+    for table, one in keys_of(scene).items() if hasattr(scene, "pressure") else ():
         record = getattr(scene, table)
         if one.records and record is not None:
             doubts += [

@@ -17,6 +17,8 @@ LARGEST_SEED = 2**53  # every program that reads such a file keeps it exactly
 def scene_key(unit, meaning, default, *, example=None, **bounds):
     """The field of an experiment: unit ("1" if it has none), meaning, default; above, at_least, below, at_most as in `checked`.
 
+    An annotation Literal["a", "b"] makes it one of these words.
+
     `example` is what a template shows if the default is None.
     """
     limits = {theirs: bounds.pop(ours) for theirs, ours in BOUNDS.items() if ours in bounds}

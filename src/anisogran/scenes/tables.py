@@ -94,10 +94,11 @@ def _merged_table(experiment, records, start, changes, place):
 
 
 def plain_value(one, name, value, place):
-    """The number (or None) that a file says for a Key, as such or as text with its unit. Raises InputError for what it may not be."""
+    """What a file says for a Key: a number as such or as text with its unit, a word, or None. Raises InputError for what it may not be."""
     if isinstance(value, dict | list):
-        raise InputError(f"{place} {name} must be a number, not a {'table' if isinstance(value, dict) else 'list'}")
-    if isinstance(value, str):
+        wanted = one.range if one.words else "a number"
+        raise InputError(f"{place} {name} must be {wanted}, not a {'table' if isinstance(value, dict) else 'list'}")
+    if isinstance(value, str) and not one.words:
         if value == NONE and one.optional:
             return None
         said = re.fullmatch(rf"\s*({NUMBER})\s*((?:[^\W\d]|%).*)?\s*", value)  # what begins with a comma is no unit

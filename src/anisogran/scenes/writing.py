@@ -86,8 +86,8 @@ def _line(name, one, value):
 
 
 def _number(one, value):
-    """A number as TOML has it."""
-    return repr(int(value) if one.whole else float(value))
+    """A number, or a word, as TOML has it."""
+    return f'"{value}"' if one.words else repr(int(value) if one.whole else float(value))
 
 
 def _commented(line, comment):
