@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from anisogran import InputError, Luding, Tablet, average, contact_path
+from anisogran import InputError, Luding, Tablet, average, contact_path, fit
 from anisogran.dem import Box, Friction, Grains, Open, Pressure, Simulation
-from anisogran.experiments.tablet import strength
 from anisogran.experiments.tablet_tests import WIDE, platen_row, torn
 from anisogran.runs.session import Session
 
@@ -21,6 +20,12 @@ def pressed():
 @pytest.fixture(scope="module")
 def pulled():
     return Tablet(test="tension", strain=0.01, **SMALL).run()
+
+
+def strength(run):
+    """In N/m, positive in both tests."""
+    sense = np.sign(run.series.eps_zz.values[-1])
+    return fit.peak(sense * run.series.eps_zz.values, sense * run.series.sigma_zz.values, width=5e-4).value
 
 
 @pytest.mark.parametrize("kc", [2.5e4, 1e5, 4e5])
@@ -50,20 +55,6 @@ def test_a_chain_is_as_strong_as_its_weakest_contact(kc):
     # three contacts at 1e-3 of strain in 20 ms: the dashpots take 1e-4 of f_min, the waves more
     assert min(force) == pytest.approx(expected, rel=0.01)
     assert abs(force[-1]) < 1e-3 * abs(expected)  # broken
-
-
-def test_strength_is_the_peak_of_the_moving_average():
-    """Of a tent of slope a, cut at the top by a window w: its height less a w/4; in tension with the other sign of both."""
-    strain = np.linspace(0.0, 0.02, 1001)
-    stress = 50.0 - 5e3 * np.abs(strain - 0.01)
-    for sense in (1, -1):
-        assert strength(sense * strain, sense * stress) == pytest.approx(50.0 - 5e3 * 5e-4 / 4, rel=1e-6)
-        assert strength(sense * strain, sense * stress, window=4e-3) == pytest.approx(50.0 - 5e3 * 4e-3 / 4, rel=1e-6)
-    assert strength(strain, 0 * stress) == 0.0
-    with pytest.raises(InputError, match=r"^strength: eps_zz must grow in size, from 0 to 0\.05 at least, not to 0\.02$"):
-        strength(strain, stress, window=0.05)
-    with pytest.raises(InputError, match=r"^strength: eps_zz must grow in size"):
-        strength(np.roll(strain, 3), stress)
 
 
 def test_stages_as_on_the_slide():
@@ -98,15 +89,11 @@ def test_a_free_tablet_bears_nothing(pressed):
 
 
 def test_the_platens_and_the_grains_measure_the_same_stress(pressed):
-    """Force times height is the sum over the contacts of force times branch; the sides are free."""
+    """Force times height is the sum over the contacts of force times branch."""
     for name, snapshot in pressed.snapshots.items():
         row = pressed.series.sel(time=snapshot.time)
-        if float(row.sigma_zz) < 10.0:
-            continue
-        height = snapshot.volume / (snapshot.position[:, 0].size and pressed_width(pressed))
-        grains = float(average(snapshot, fields="stress_static").stress_static[1, 1]) * snapshot.volume / height
-        platens = float(row.sigma_zz) * pressed_width(pressed) / WIDE
-        assert grains == pytest.approx(platens, rel=0.1), name  # inertia: half of the platens' difference
+        grains = float(average(snapshot, fields="stress_static").stress_static[1, 1]) * WIDE  # the box is wider than the tablet
+        assert grains == pytest.approx(float(row.sigma_zz), rel=0.02, abs=2.0), name  # N/m: inertia, where pieces slip
 
 
 def pressed_width(run):
@@ -117,7 +104,7 @@ def pressed_width(run):
 
 def test_a_tablet_resists_both_ways(pressed, pulled):
     """It bears more when it is crushed than when it is torn, and less after its peak; stress and strain have the sign of the test."""
-    crushed, torn_ = (strength(run.series.eps_zz.values, run.series.sigma_zz.values) for run in (pressed, pulled))
+    crushed, torn_ = strength(pressed), strength(pulled)
     assert 5.0 < torn_ < crushed < 300.0
     assert float(pressed.series.eps_zz[-1]) == pytest.approx(0.02, abs=1e-9)
     assert float(pulled.series.eps_zz[-1]) == pytest.approx(-0.01, abs=1e-9)
@@ -129,7 +116,7 @@ def test_a_tablet_resists_both_ways(pressed, pulled):
 
 def test_without_adhesion_nothing_is_torn(pulled):
     loose = Tablet(test="tension", strain=0.01, contact=Luding(5e4, 1e5, 0.0, 0.1), **SMALL).run()
-    torn_ = strength(pulled.series.eps_zz.values, pulled.series.sigma_zz.values)
+    torn_ = strength(pulled)
     assert float(-loose.series.sigma_zz.min()) < 0.01 * torn_  # dashpots of grains that part
     assert int(loose.series.fragments[0]) > 30
     assert loose.status.level == "ok"

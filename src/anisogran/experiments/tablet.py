@@ -6,7 +6,6 @@ to the low pressure again and are then taken away; the tablet, free and at rest,
 only a heading of the lecture, is sintering in time: contacts whose stiffness grows with temperature or time.
 """
 
-import math
 from dataclasses import replace
 from typing import ClassVar, Literal
 
@@ -22,7 +21,6 @@ from anisogran.runs.stages import Stage
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 
 AT_REST = 1e-5  # kinetic energy of a free tablet over the elastic one, or over that of the sample under the low pressure
-WINDOW = 5e-4  # of strain; a tablet is torn within 1e-3, so the 4e-3 of the biaxial box would be no peak of it
 SHOWN = 8  # snapshots of the test beside those of its start, its peak and its end
 
 
@@ -31,7 +29,9 @@ class Tablet(Experiment):
 
     Radii, density and contacts as in the biaxial box. `test` is uniaxial "compression" between smooth platens, "tension" between platens
     to which the end layers are glued, both with free sides, or "vibration" on a floor that shakes under gravity. Compression is positive:
-    in tension strain and stress are negative. Stresses are forces over the width that the tablet has when the test begins.
+    in tension strain and stress are negative. Stresses are forces over the width that the tablet has when the test begins. Its strength
+    is the peak of a moving average, `ag.fit.peak(eps_zz, sigma_zz, width=5e-4)`, of tension with the opposite of both; it is torn within
+    1e-3 of strain, and the 4e-3 of the biaxial box would see no peak.
     Without friction there is hardly any strength: with its walls a tablet loses contacts that it needs to be rigid.
     """
 
@@ -160,21 +160,3 @@ class Tablet(Experiment):
         if simulation.counters["late_builds"]:
             status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
         return status
-
-
-def strength(eps_zz, sigma_zz, window=WINDOW):
-    """Strength in N/m, positive in both tests: the peak of the moving average of the platen stress over `window` of strain.
-
-    eps_zz, sigma_zz (n,): of a series, compression positive, in N/m; the last strain says whether it is compressed or torn. The average is
-    taken on a uniform grid of strain, of 20 steps in a window, between whose points the series is linear.
-    Raises InputError if the strains do not grow in size, or not to a window at least.
-    """
-    sense = np.sign(eps_zz[-1])
-    strain, stress = sense * np.asarray(eps_zz, float), sense * np.asarray(sigma_zz, float)
-    if not (np.diff(strain) >= 0).all() or not strain[-1] - strain[0] >= window:
-        raise InputError(f"strength: eps_zz must grow in size, from {strain[0]:g} to {window:g} at least, not to {strain[-1]:g}")
-    steps = math.ceil((strain[-1] - strain[0]) / window * 20)
-    grid = strain[0] + window / 20 * np.arange(steps + 1)
-    stress = np.interp(grid, strain, stress)
-    area = np.concatenate([[0.0], np.cumsum(0.5 * (stress[1:] + stress[:-1]))])
-    return float((area[20:] - area[:-20]).max() / 20)
