@@ -70,6 +70,37 @@ def test_a_study_makes_one_file_and_does_nothing_twice(tmp_path, name):
         assert all(values.dtype == np.float32 and np.isfinite(values).all() for values in series.data_vars.values())
 
 
+def test_tablet_strength(tmp_path, capsys):
+    path, picture = str(tmp_path / "strength.h5"), tmp_path / "strength.png"
+    script(ROOT / "data_generation" / "tablet_strength.py").main([path, "--quick"])
+    found, laws = script(ROOT / "fits" / "tablet_strength.py").main(path, str(picture))
+    assert (found > 0).all()
+    assert (found.sel(contact_kc=4e5) > found.sel(contact_kc=5e4)).all()
+    assert (found.sel(pressing_pressure=200) > found.sel(pressing_pressure=50)).all()
+    assert laws["compression"][0] > laws["tension"][0] > 0.2
+    assert "crushed over torn" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+
+
+def test_tablet_vibration(tmp_path, capsys):
+    path, picture = str(tmp_path / "vibration.h5"), tmp_path / "vibration.png"
+    script(ROOT / "data_generation" / "tablet_vibration.py").main([path, "--quick"])
+    least = script(ROOT / "fits" / "tablet_vibration.py").main(path, str(picture))
+    assert least[100.0][0] > 0.8 > 0.5 > least[10.0][0]  # 60 grains, three periods: the one holds together, the other does not
+    assert "held together" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+
+
+def test_cohesive_gas(tmp_path, capsys):
+    path, picture = str(tmp_path / "gas.h5"), tmp_path / "gas.png"
+    script(ROOT / "data_generation" / "cohesive_gas.py").main([path, "--quick"])
+    ends = script(ROOT / "fits" / "cohesive_gas.py").main(path, str(picture))
+    assert ends[0.0][0] > 90  # of 100 grains
+    assert ends[4.0][0] < 30
+    assert "Haff" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+
+
 def test_contact_law(tmp_path, capsys):
     adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
     assert (tmp_path / "law.png").stat().st_size > 10_000
