@@ -2,7 +2,7 @@
 
     python data_generation/tablet_vibration.py tablet_vibration.h5 [--quick]
 
-6 tests of 300 grains and ten periods of 50 Hz, some minutes on two cores; it can be stopped and goes on. The scene is tablet.toml.
+6 tests of 200 grains and ten periods of 50 Hz, some minutes on two cores; it can be stopped and goes on. The scene is tablet.toml.
 --quick makes a rough version in seconds. Read by fits/tablet_vibration.py.
 """
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from anisogran import read_scene, study
 
 SCENE = Path(__file__).with_name("tablet.toml")
-SIZE = ["test=vibration", "n=300", "duration=0.2"]
+SIZE = ["test=vibration", "n=200", "duration=0.2"]
 PRESSING_PRESSURES = [10.0, 100.0]  # N/m
 SEEDS = range(1, 4)
 SERIES = ["time", "floor_height", "fragments", "largest_fragment", "mean_fragment_mass", "width", "kinetic_energy", "coordination_number"]
