@@ -2,7 +2,7 @@
 
     python data_generation/cohesive_gas.py cohesive_gas.h5 [--quick]
 
-8 runs of 500 grains, some minutes on two cores; it can be stopped and goes on. The scene is cohesive_gas.toml. --quick makes a rough
+8 runs of 300 grains, some minutes on two cores; it can be stopped and goes on. The scene is cohesive_gas.toml. --quick makes a rough
 version in seconds. Read by fits/cohesive_gas.py.
 """
 
@@ -22,9 +22,10 @@ def main(arguments=None):
     parser.add_argument("file")
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args(arguments)
-    scene, vary = read_scene(SCENE, quick=options.quick), {"contact.kc": ADHESION, "seed": SEEDS}
     if options.quick:
-        vary = {"contact.kc": [0.0, 4e5], "seed": [1]}
+        scene, vary = read_scene(SCENE, quick=True), {"contact.kc": [0.0, 4e5], "seed": [1]}
+    else:
+        scene, vary = read_scene(SCENE, ["n=300"]), {"contact.kc": ADHESION, "seed": SEEDS}
     return study(options.file, {"gases": (scene, vary)}, SERIES)
 
 

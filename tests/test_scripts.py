@@ -85,8 +85,8 @@ def test_tablet_strength(tmp_path, capsys):
 def test_tablet_vibration(tmp_path, capsys):
     path, picture = str(tmp_path / "vibration.h5"), tmp_path / "vibration.png"
     script(ROOT / "data_generation" / "tablet_vibration.py").main([path, "--quick"])
-    least = script(ROOT / "fits" / "tablet_vibration.py").main(path, str(picture))
-    assert least[100.0][0] > 0.8 > 0.5 > least[10.0][0]  # 60 grains, three periods: the one holds together, the other does not
+    shares = script(ROOT / "fits" / "tablet_vibration.py").main(path, str(picture))
+    assert shares[100.0][0] > 0.8 > 0.5 > shares[10.0][0]  # 60 grains, three periods: the one holds together, the other does not
     assert "held together" in capsys.readouterr().out
     assert picture.stat().st_size > 10_000
 
