@@ -2,7 +2,7 @@
 
     python data_generation/cohesive_gas.py cohesive_gas.h5 [--quick]
 
-8 runs of 300 grains, some minutes on two cores; it can be stopped and goes on. The scene is cohesive_gas.toml. --quick makes a rough
+8 runs of 300 grains, a minute on two cores; it can be stopped and goes on. The scene is cohesive_gas.toml. --quick makes a rough
 version in seconds. Read by fits/cohesive_gas.py.
 """
 

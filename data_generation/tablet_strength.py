@@ -2,7 +2,7 @@
 
     python data_generation/tablet_strength.py tablet_strength.h5 [--quick]
 
-48 tests of 200 grains, about 10 minutes on two cores; it can be stopped and goes on. The scene is tablet.toml. --quick makes a rough
+48 tests of 200 grains, about 5 minutes on two cores; it can be stopped and goes on. The scene is tablet.toml. --quick makes a rough
 version in seconds. Read by fits/tablet_strength.py.
 """
 

@@ -2,7 +2,7 @@
 
     python data_generation/tablet_vibration.py tablet_vibration.h5 [--quick]
 
-6 tests of 200 grains and ten periods of 50 Hz, some minutes on two cores; it can be stopped and goes on. The scene is tablet.toml.
+6 tests of 200 grains and ten periods of 50 Hz, a minute on two cores; it can be stopped and goes on. The scene is tablet.toml.
 --quick makes a rough version in seconds. Read by fits/tablet_vibration.py.
 """
 

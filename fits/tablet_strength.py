@@ -62,7 +62,11 @@ def main(file=DATA, figure=None):
             print(f"{kc / K2:5.1f}  {factor[k]:5.3f}  " + "".join(f"{cell:26}" for cell in cells))
         a, a_error, rest = proportional(scale.ravel(), mean.sel(test=test).values.ravel())
         laws[str(test)] = a, a_error
-        print(f"  strength = a p F: a = {a:.2f} +- {a_error:.2f}, residuals {rest:.0%} of the strengths\n")
+        print(f"  strength = a p F: a = {a:.2f} +- {a_error:.2f}, residuals {rest:.0%} of the strengths")
+        for k, kc in enumerate(found.contact_kc.values):
+            each, each_error, _ = proportional(scale[k], mean.sel(test=test, contact_kc=kc).values)
+            print(f"    kc/k2 = {kc / K2:g} alone: a = {each:.2f} +- {each_error:.2f}")
+        print()
     if len(laws) == 2:
         print(f"crushed over torn: {laws['compression'][0] / laws['tension'][0]:.2f}")
     if figure is not None:
