@@ -38,6 +38,14 @@ def test_biaxial_evolution(tmp_path, capsys):
     assert fits["s_D"].values["beta"] > fits["anisotropy"].values["beta"] > 0  # structure lags behind stress
 
 
+def test_biaxial_pictures(tmp_path):
+    path, picture = str(tmp_path / "biaxial.h5"), tmp_path / "pictures.png"
+    script(ROOT / "data_generation" / "biaxial.py").main([path, "--quick"])
+    titles = script(ROOT / "fits" / "biaxial_pictures.py").main(path, str(picture))
+    assert [re.search(r"[\d.]+ %", title).group() for title in titles] == ["0.0 %", "1.1 %", "4.2 %"]  # the quick run ends at 6 %
+    assert picture.stat().st_size > 50_000
+
+
 def test_biaxial_calibration(tmp_path, capsys):
     path = str(tmp_path / "biaxial.h5")
     script(ROOT / "data_generation" / "biaxial.py").main([path, "--quick"])
@@ -157,7 +165,12 @@ def test_ci_runs_the_test_command_of_the_readme():
 
 
 def test_every_script_is_tested():
-    here = Path(__file__).read_text() + (Path(__file__).parent / "fitting" / "test_lecture_cohesion.py").read_text()
+    tests = (
+        Path(__file__),
+        Path(__file__).with_name("test_lecture_figures.py"),
+        Path(__file__).parent / "fitting" / "test_lecture_cohesion.py",
+    )
+    here = "".join(path.read_text() for path in tests)
     for path in [*(ROOT / "data_generation").glob("*.py"), *(ROOT / "fits").glob("*.py")]:
         assert path.name in here or path.stem in here, f"{path.name} is not tested"
 
