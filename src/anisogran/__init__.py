@@ -30,6 +30,7 @@ _NAMES = {
     "CohesiveGas": "experiments",
     "RingShear": "experiments",
     "SimpleShear": "experiments",
+    "Stiffness": "experiments",
     "Tablet": "experiments",
     "read_scene": "experiments",
     "sweep": "sweeps",

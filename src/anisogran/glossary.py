@@ -162,6 +162,26 @@ GLOSSARY = {
     "kappa": Quantity(r"\kappa_p", "1", "plastic deviatoric strain"),
     "rotation": Quantity(r"\theta", "rad", "rotation of the material, counter-clockwise"),
     "work": Quantity("w", "N/m", "work done on the sample per area"),
+    # stiffness from probes
+    "E": Quantity("E", "N/m", "bulk modulus d sigma_V/d eps_V, half/half measures"),
+    "B": Quantity("B", "N/m", "shear modulus along the axes of the structure, d sigma_D/d eps_D, half/half measures"),
+    "G": Quantity("G", "N/m", "shear modulus across the axes of the structure: 2G = d sigma_xz/d eps_xz"),
+    "misfit": Quantity(
+        r"\Delta\sigma/(E\Delta\epsilon)", "1", "rms misfit of the anisotropic law to the probes, over E times their strain"
+    ),
+    "probed_state": Quantity("k", "1", "number of the state that is probed"),
+    "way": Quantity("w", "1", "1: of the probe forth, -1: back"),
+    "d_eps_V": Quantity(r"\Delta\epsilon_V", "1", "volumetric strain of the probe, half of the trace"),
+    "d_eps_D": Quantity(r"\Delta\epsilon_D", "1", "deviatoric strain (zz - xx)/2 of the probe"),
+    "d_eps_xz": Quantity(r"\Delta\epsilon_{xz}", "1", "shear strain of the probe, half of the engineering one"),
+    "d_sigma_V": Quantity(r"\Delta\sigma_V", "N/m", "change of the mean stress by the probe"),
+    "d_sigma_D": Quantity(r"\Delta\sigma_D", "N/m", "change of (sigma_zz - sigma_xx)/2 by the probe"),
+    "d_sigma_xz": Quantity(r"\Delta\sigma_{xz}", "N/m", "change of the shear stress by the probe, seen from the material"),
+    "contacts_opened": Quantity("N_-", "1", "contacts that the probe has opened"),
+    "contacts_closed": Quantity("N_+", "1", "contacts that the probe has closed"),
+    "imbalance": Quantity("f/f_c", "1", "mean net force on a grain over the mean contact force"),
+    "width": Quantity("L_x", "m", "width of the cell"),
+    "height": Quantity("L_z", "m", "height of the cell"),
     # motion
     "velocity": Quantity("v", "m/s", "velocity; of averages, that of the local linear mean field"),
     "velocity_density": Quantity(r"\nu v", "m/s", "area fraction times velocity, (1/V) sum w V^p v"),

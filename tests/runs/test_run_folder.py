@@ -301,6 +301,9 @@ def test_a_damaged_checkpoint_is_found_and_the_one_before_it_taken(straight, rng
     assert contents(tmp_path) == before
 
 
+EMPTY = {"rows": {}, "tables": {}, "snapshots": {}}  # records
+
+
 def test_a_forged_checkpoint_is_refused(tmp_path):
     """Whole and under seal, but not of a run."""
     with pytest.raises(Interrupted):
@@ -320,8 +323,11 @@ def test_a_forged_checkpoint_is_refused(tmp_path):
         ({**good, "place": {**place, "marks": -1}}, "is no checkpoint of a run"),
         ({**good, "place": {**place, "marks": 10**9}}, "is no checkpoint of a run"),
         ({**good, "place": {**place, "more": 0}}, "is no checkpoint of a run"),
-        ({**good, "records": {"rows": {"time": np.zeros(2), "p": np.zeros(3)}, "snapshots": {}}}, "is no checkpoint of a run"),
-        ({**good, "records": {"rows": {}, "snapshots": {"end": {"position": np.zeros(2)}}}}, "is no checkpoint of a run"),
+        (
+            {**good, "records": {**EMPTY, "rows": {"time": np.zeros(2), "p": np.zeros(3)}}},
+            "is no checkpoint of a run",
+        ),
+        ({**good, "records": {**EMPTY, "snapshots": {"end": {"position": np.zeros(2)}}}}, "is no checkpoint of a run"),
         ({**good, "scene": {}}, "is of another scene: "),
     ]:
         simulation.save(path, attached)

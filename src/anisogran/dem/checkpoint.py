@@ -24,7 +24,7 @@ from anisogran.dem.sealed import previous_of, read_sealed, write_sealed
 from anisogran.outcome import InputError, Interrupted, RunFailed, checked
 from anisogran.whole_file import check_target
 
-FORMAT = 2
+FORMAT = 3
 VERSIONS = {"anisogran": __version__, "numba": numba.__version__, "numpy": np.__version__}
 SCRATCH = "out."  # holds nothing from one step to the next
 A_PAIR = ("pairs.first", "pairs.second", "pairs.reach", "memory.")  # arrays with an entry a pair, of which those in use are written

@@ -7,6 +7,9 @@ from anisogran.experiments.kinds import KINDS, experiment_of
 from anisogran.experiments.ring_shear import RingShear
 from anisogran.experiments.scene_file import read_scene
 from anisogran.experiments.simple_shear import SimpleShear
+from anisogran.experiments.stiffness import Stiffness
 from anisogran.experiments.tablet import Tablet
 
-__all__ = ["KINDS", "Biaxial", "CohesiveGas", "Experiment", "RingShear", "SimpleShear", "Tablet", "experiment_of", "read_scene"]
+__all__ = [
+    "KINDS", "Biaxial", "CohesiveGas", "Experiment", "RingShear", "SimpleShear", "Stiffness", "Tablet", "experiment_of", "read_scene",
+]  # fmt: skip

@@ -36,6 +36,10 @@ class Experiment(BaseModel):
     def check(self):
         """Raises InputError where fields that are fine by themselves do not fit each other. Nothing to check here."""
 
+    def tables(self, records):
+        """{name: Dataset} of what is measured beside the series. Nothing here."""
+        return {}
+
     def run(self, progress=None, folder=None, resume=False, force=False):
         """The Run. `progress(fraction)` is called several times a second.
 

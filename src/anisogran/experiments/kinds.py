@@ -4,10 +4,11 @@ from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.cohesive_gas import CohesiveGas
 from anisogran.experiments.ring_shear import RingShear
 from anisogran.experiments.simple_shear import SimpleShear
+from anisogran.experiments.stiffness import Stiffness
 from anisogran.experiments.tablet import Tablet
 from anisogran.scenes.keys import chosen
 
-KINDS = {experiment.kind: experiment for experiment in (Biaxial, CohesiveGas, RingShear, SimpleShear, Tablet)}
+KINDS = {experiment.kind: experiment for experiment in (Biaxial, CohesiveGas, RingShear, SimpleShear, Stiffness, Tablet)}
 
 
 def experiment_of(kind, where="kind"):

@@ -13,7 +13,8 @@ from anisogran.snapshot import frames
 class Run:
     """What an experiment left: the scene, time series, snapshots by name, status and provenance.
 
-    Experiments with a field also have `profiles` (mean and error over the blocks) and `blocks` (dimension "block").
+    Experiments with a field also have `profiles` (mean and error over the blocks) and `blocks` (dimension "block"); what else an
+    experiment measures is in `tables`, {name: Dataset}, each a group of its own in the file.
     """
 
     scene: object  # the Experiment
@@ -23,6 +24,7 @@ class Run:
     snapshots: dict = field(default_factory=dict)
     status: Status = Status()
     provenance: dict = field(default_factory=dict)
+    tables: dict = field(default_factory=dict)
 
     @property
     def frames(self):
@@ -33,7 +35,7 @@ class Run:
         """All of it as datasets by group name; "" holds provenance and status as attributes."""
         groups = {"": xr.Dataset(attrs={**self.provenance, "status": str(self.status)}), "series": self.series}
         groups |= {name: data for name, data in (("profiles", self.profiles), ("blocks", self.blocks)) if data is not None}
-        return groups | {f"snapshots/{name}": snapshot_dataset(snapshot) for name, snapshot in self.snapshots.items()}
+        return groups | self.tables | {f"snapshots/{name}": snapshot_dataset(snapshot) for name, snapshot in self.snapshots.items()}
 
     def save(self, path):
         """Writes one HDF5 file that `anisogran.open` and `xarray.open_datatree(path, engine="h5netcdf")` read."""

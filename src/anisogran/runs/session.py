@@ -115,7 +115,7 @@ class Session:
             status = self.scene.judge(series, blocks, self.simulation)
         else:
             status = Status().warn(f"unfinished: in stage {self.stage_name}, {self.fraction:.0%} done")
-        return Run(self.scene, series, profiles, blocks, self.records.snapshots, status, self.provenance())
+        return Run(self.scene, series, profiles, blocks, self.records.snapshots, status, self.provenance(), self.scene.tables(self.records))
 
     def provenance(self):
         """Where the result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""

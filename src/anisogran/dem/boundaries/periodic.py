@@ -59,7 +59,8 @@ class Periodic:
     """Periodic cell of width by height (m): `shear_rate` (1/s), `stretch_rate` of (width, height) (1/s), `pressure` on (x, y) (N/m).
 
     A side is free and relaxes with `viscosity` (N s/m) if it has a pressure, else its logarithm changes at its stretch rate; one
-    number for `pressure` holds both sides, None none. A cell is sheared or stretched, not both.
+    number for `pressure` holds both sides, None none. A cell is sheared or stretched, not both. `offset` (m): how far the image above is
+    to the right at the start, as a cell that has been sheared leaves it.
     A run stops where the cell gets narrower or lower than four of the largest radii and two skins: contacts would meet their own images.
     Raises InputError for values out of bounds.
     """
@@ -70,12 +71,14 @@ class Periodic:
     pressure: float | tuple | None = None
     viscosity: float | None = None
     stretch_rate: tuple = (0.0, 0.0)
+    offset: float = 0.0
     walls = 0
 
     def __post_init__(self):
         checked("Periodic", "width", self.width, above=0, unit="m")
         checked("Periodic", "height", self.height, above=0, unit="m")
         checked("Periodic", "shear_rate", self.shear_rate, unit="1/s")
+        checked("Periodic", "offset", self.offset, unit="m")
         for side, rate, pressure in zip("xy", self._pair("stretch_rate"), self._pair("pressure"), strict=True):
             checked("Periodic", f"stretch_rate ({side})", rate, unit="1/s")
             if pressure is not None:
@@ -102,7 +105,7 @@ class Periodic:
         pressures = self._pair("pressure")
         controlled = any(pressure is not None for pressure in pressures)
         return PeriodicState(
-            np.array([self.width, self.height, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+            np.array([self.width, self.height, self.offset % self.width, 0.0, 1.0, 1.0, 0.0, 0.0]),
             np.zeros(2) if controlled else None,
             float(self.shear_rate),
             *(float(rate) for rate in self._pair("stretch_rate")),
