@@ -20,7 +20,7 @@ DIRECTIONS = {  # of the strain, compression positive, of unit size in the half/
     "pure_shear": np.array([[-1.0, 0.0], [0.0, 1.0]]),
     "simple_shear": np.array([[0.0, 1.0], [1.0, 0.0]]),
 }
-LOOKS = 400  # for rest, each after as many steps as the strain took over four
+LOOKS = 200  # for rest, each after half as many steps as the strain took
 
 
 class Way(NamedTuple):
@@ -90,7 +90,7 @@ def strained(simulation, d_eps, steps, rest, drag=None):
     moving.run(steps)
     still = in_cell(moving, {}, drag=drag)
     for _ in range(LOOKS):
-        still.run(max(1, steps // 4))
+        still.run(max(1, steps // 2))
         if imbalance(still) < rest:
             break
     return still

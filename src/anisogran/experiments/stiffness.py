@@ -51,7 +51,7 @@ class Stiffness(Experiment):
     size_ratio: float = scene_key("1", "largest over smallest radius", 3.0, at_least=1, at_most=20)
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 2000.0, above=0)
     strain: float = scene_key("1", "vertical strain of the last state, ln(z0/z)", 0.1, above=0, below=1)
-    states: int = scene_key("1", "number of states that are probed", 8, at_least=2, at_most=1000)
+    states: int = scene_key("1", "number of states that are probed; 1: only the first", 8, at_least=1, at_most=1000)
     inertial_number: float = scene_key("1", "of the loading", 1e-3, above=0, at_most=0.1)
     probe: float = scene_key("1", "half/half strain of a probe", 1e-5, at_least=1e-9, at_most=1e-2)
     probe_steps: int = scene_key("1", "time steps in which a probe is strained", 400, at_least=10, at_most=1_000_000)
@@ -252,8 +252,8 @@ class Stiffness(Experiment):
         """Warnings a reader must see: pressure not held, stale neighbour lists."""
         status = squeezed(simulation)
         held = float(abs(series.sigma_xx / self.pressure - 1).median())
-        if held > 0.02:
-            status = status.warn(f"the width holds its pressure only to {held:.1%} (median)")
+        if held > 0.1:  # the states themselves have come to rest under it
+            status = status.warn(f"while loading the width holds its pressure only to {held:.1%} (median)")
         if simulation.counters["late_builds"]:
             status = status.warn(f"{simulation.counters['late_builds']} neighbour lists were built late")
         return status
