@@ -2,8 +2,8 @@
 
     python data_generation/stiffness.py stiffness.h5 [--quick]
 
-Six sweeps, which are kept in the folder stiffness.cases, so that a run that was stopped goes on; takes about half an hour on two cores
-(1700 core seconds), --quick half a minute. Read by fits/stiffness.py.
+Six sweeps, which are kept in the folder stiffness.cases, so that a run that was stopped goes on; takes 1200 core seconds; --quick half
+a minute. Read by fits/stiffness.py.
 """
 
 import argparse
@@ -25,8 +25,8 @@ SEEDS = range(1, 7)
 
 def sweeps(quick):
     """{name: (scene, what is varied)}."""
-    n, few, path, pressures, adhesions, probes, seeds = 1000, 500, PATH, PRESSURES, ADHESIONS, PROBES, list(SEEDS)
-    states, hurry = 6, {}
+    n, few, path, pressures, adhesions, probes, seeds = 600, 400, PATH, PRESSURES, ADHESIONS, PROBES, list(SEEDS)
+    states, hurry = 5, {}
     if quick:
         n, few, path, pressures, adhesions, probes, seeds = 60, 60, [100.0], [100.0, 200.0, 500.0], [0.0, 4e5], probes[3:5], [1, 2]
         states, hurry = 2, {"inertial_number": 1e-2, "strain": 0.02}

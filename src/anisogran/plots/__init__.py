@@ -8,6 +8,7 @@ from anisogran.plots.fits import FittedCurve, fit_figure
 from anisogran.plots.grain_values import biaxial_pictures
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
+from anisogran.plots.moduli import moduli_figure
 from anisogran.plots.mohr_circles import mohr_circles_figure
 from anisogran.plots.panels import Panel, panels_figure
 from anisogran.plots.ring import ring_fields, velocity_comparison
@@ -31,6 +32,7 @@ __all__ = [
     "figure",
     "fit_figure",
     "friction_law",
+    "moduli_figure",
     "mohr_circles_figure",
     "packings",
     "panels_figure",
