@@ -8,6 +8,7 @@ errors over the seeds.
 import sys
 
 import numpy as np
+import xarray as xr
 from scipy import stats
 
 import anisogran as ag
@@ -15,7 +16,7 @@ from anisogran import plots
 
 MODULI = ("E", "A", "B", "G")
 PATHS = {"mu = 0": "smooth_path", "mu = 0.5": "rough_path"}
-PRESSURES = {"mu = 0": "smooth", "mu = 0.5": "rough"}
+MORE_PRESSURES = {"mu = 0": "smooth", "mu = 0.5": "rough"}
 K2 = 1e5  # N/m
 
 
@@ -28,8 +29,7 @@ def main(path, figure=None):
             print_path(f"Along the path, {title}, p = {p:g} N/m", data[name].sel(pressure=p))
     exponents = {}
     print("\nIsotropic states, modulus ~ p^m: m +- error from probes | from the fabric")
-    for title, name in PRESSURES.items():
-        one = data[name].isel(state=0)
+    for title, one in isotropic(data).items():
         for modulus in ("E", "B", "G"):
             fits = [exponent(one[modulus].sel(source=source)) for source in ("back", "fabric")]
             exponents[f"{modulus}, {title}"] = fits[0]
@@ -43,15 +43,25 @@ def main(path, figure=None):
     return exponents
 
 
+def isotropic(data):
+    """{title: the first states at all pressures}."""
+    parts = {title: (data[name].isel(state=0), data[PATHS[title]].isel(state=0)) for title, name in MORE_PRESSURES.items()}
+    return {title: xr.concat(both, "pressure").sortby("pressure") for title, both in parts.items()}
+
+
 def exponent(modulus):
     """Exponent of the pressure, of the mean over the seeds, and its standard error by leaving out one seed after the other.
 
-    The mean, since a single small sample without friction may be unstable in shear: its G is then below 0.
+    The mean, since a small sample without friction may be unstable in shear, with G < 0; nan if a mean is not above 0, which no power is.
     """
     x, seeds = np.log(modulus.pressure.values), modulus.seed.values
-    parts = [np.polyfit(x, np.log(modulus.sel(seed=seeds[seeds != one]).mean("seed").values), 1)[0] for one in seeds]
-    slope = np.polyfit(x, np.log(modulus.mean("seed").values), 1)[0]
-    return float(slope), float(np.sqrt((len(seeds) - 1) * np.var(parts)))
+
+    def slope(kept):
+        mean = modulus.sel(seed=kept).mean("seed").values
+        return np.polyfit(x, np.log(mean), 1)[0] if mean.min() > 0 else np.nan
+
+    parts = [slope(seeds[seeds != one]) for one in seeds]
+    return float(slope(seeds)), float(np.sqrt((len(seeds) - 1) * np.var(parts)))
 
 
 def told(values, scale=1e-3):
@@ -87,9 +97,8 @@ def print_adhesion(data):
             forth, back, fabric = (case.sel(source=source) for source in ("forth", "back", "fabric"))
             both = "".join(f"{told(back[name]):>13s} |{1e-3 * float(fabric[name].mean()):6.2f}" for name in MODULI)
             ratio = [float((forth[name] / back[name]).mean()) for name in ("E", "G")]
-            print(
-                f"{kc / K2:5.1f} {float(case.s_D.mean()):6.3f} {float(case.fabric_trace.mean()):6.3f} {both}   {ratio[0]:.3f}, {ratio[1]:.3f}"
-            )
+            state = f"{kc / K2:5.1f} {float(case.s_D.mean()):6.3f} {float(case.fabric_trace.mean()):6.3f}"
+            print(f"{state} {both}   {ratio[0]:.3f}, {ratio[1]:.3f}")
 
 
 def print_fabric(title, data):
@@ -130,9 +139,8 @@ def picture(data):
         ("adhesion, last state", "contact_kc", "$k_c/k_2$"): adhesion,
         ("size of the probe, $\\mu$ = 0.5", "probe_asked", "strain of the probe"): data["probe"].isel(state=-1),
     }
-    pressures = {title: data[name].isel(state=0) for title, name in PRESSURES.items()}
     fabric = {title: data[name] for title, name in PATHS.items()}
-    return plots.moduli_figure(paths, pressures, varied, fabric)
+    return plots.moduli_figure(paths, isotropic(data), varied, fabric)
 
 
 if __name__ == "__main__":

@@ -109,6 +109,18 @@ def test_cohesive_gas(tmp_path, capsys):
     assert picture.stat().st_size > 10_000
 
 
+def test_stiffness(tmp_path, capsys):
+    path = str(tmp_path / "stiffness.h5")
+    script(ROOT / "data_generation" / "stiffness.py").main([path, "--quick"])
+    exponents = script(ROOT / "fits" / "stiffness.py").main(path, str(tmp_path / "stiffness.png"))
+    assert exponents["E, mu = 0.5"][0] == pytest.approx(0.06, abs=0.06)  # linear springs: only the number of contacts grows
+    assert (tmp_path / "stiffness.png").stat().st_size > 50_000
+    data = ag.open(path)["rough"].to_dataset().isel(state=0)
+    for name in ("E", "B", "G"):  # Voigt's bound
+        assert (data[name].sel(source="back") < data[name].sel(source="fabric")).all()
+    assert "Shear modulus against fabric, mu = 0.5" in capsys.readouterr().out
+
+
 def test_contact_law(tmp_path, capsys):
     adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
     assert (tmp_path / "law.png").stat().st_size > 10_000

@@ -28,7 +28,7 @@ def moduli_figure(paths, pressures, varied, fabric):
     draw_fabric(next(free), fabric)
     for one in free:
         one.set_visible(False)
-    axes.flat[0].legend(fontsize=8, frameon=False, ncols=2)
+    fig.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=8, frameon=False)
     return fig
 
 
@@ -43,6 +43,7 @@ def draw(axes, x, data, dim="state"):
         mean, error = mean_and_error(data[name])
         axes.errorbar(x, KILO * mean.sel(source="back"), KILO * error.sel(source="back"), fmt="o-", ms=4, color=colour, label=f"${name}$")
         axes.plot(x, KILO * mean.sel(source="fabric"), "--", lw=1.2, color=colour, label=f"${name}$, fabric")
+    axes.locator_params(axis="x", nbins=5)
     if x.min() > 0 and x.max() > 100 * x.min():
         axes.set_xscale("log")
     axes.axhline(0.0, lw=0.6, color="0.7")
