@@ -2,7 +2,7 @@
 
     python data_generation/stiffness.py stiffness.h5 [--quick] [--n 300]
 
-Six sweeps, which are kept in the folder stiffness.cases, so that a run that was stopped goes on; takes 300 core seconds with 300 grains,
+Six sweeps, which are kept in the folder stiffness.cases, so that a run that was stopped goes on; takes 400 core seconds with 300 grains,
 and three times as long with 1000; --quick half a minute. Read by fits/stiffness.py.
 """
 

@@ -96,7 +96,7 @@ def print_adhesion(data):
             case = one.sel(contact_kc=kc)
             forth, back, fabric = (case.sel(source=source) for source in ("forth", "back", "fabric"))
             both = "".join(f"{told(back[name]):>13s} |{1e-3 * float(fabric[name].mean()):6.2f}" for name in MODULI)
-            ratio = [float((forth[name] / back[name]).mean()) for name in ("E", "G")]
+            ratio = [float(forth[name].mean() / back[name].mean()) for name in ("E", "G")]
             state = f"{kc / K2:5.1f} {float(case.s_D.mean()):6.3f} {float(case.fabric_trace.mean()):6.3f}"
             print(f"{state} {both}   {ratio[0]:.3f}, {ratio[1]:.3f}")
 
@@ -125,8 +125,8 @@ def print_probe(data):
     for size in one.probe_asked.values:
         case = one.sel(probe_asked=size)
         back, forth = case.sel(source="back"), case.sel(source="forth")
-        parts = "".join(f"{float((back[name] / reference[name]).mean()):9.4f}" for name in MODULI)
-        ratio = [float((forth[name] / back[name]).mean()) for name in ("E", "G")]
+        parts = "".join(f"{float(back[name].mean() / reference[name].mean()):9.4f}" for name in MODULI)
+        ratio = [float(forth[name].mean() / back[name].mean()) for name in ("E", "G")]
         print(f"{size:8.0e} {parts} {float(case.misfit.sel(way='back').mean()):8.4f}   {ratio[0]:.4f}, {ratio[1]:.4f}")
 
 

@@ -121,6 +121,14 @@ def test_stiffness(tmp_path, capsys):
     assert "Shear modulus against fabric, mu = 0.5" in capsys.readouterr().out
 
 
+def test_stiffness_of_the_full_run(capsys):
+    """The shipped data: grains with friction stiffen with pressure as their contacts do, those without far more in shear."""
+    exponents = script(ROOT / "fits" / "stiffness.py").main(str(ROOT / "fits" / "data" / "stiffness.h5"))
+    assert exponents["E, mu = 0.5"][0] < 0.1
+    assert exponents["G, mu = 0"][0] > exponents["G, mu = 0.5"][0] + 3 * exponents["G, mu = 0"][1]
+    assert "E B < A^2 in 0 of 18 states" in capsys.readouterr().out
+
+
 def test_contact_law(tmp_path, capsys):
     adhesive, growing = script(ROOT / "fits" / "contact_law.py").main(str(tmp_path / "law.png"))
     assert (tmp_path / "law.png").stat().st_size > 10_000

@@ -16,7 +16,7 @@ def moduli_figure(paths, pressures, varied, fabric):
     paths: over `state`; pressures: over `pressure`; varied: {(title, dimension, label of the axis): Dataset}; fabric: any states, drawn as
     the shear modulus against the trace of the fabric. Bars are standard errors over the seeds.
     """
-    fig, axes = figure(3, int(np.ceil((len(paths) + len(varied) + 2) / 3)), width=4.6)
+    fig, axes = figure(4, int(np.ceil((len(paths) + len(varied) + 2) / 4)), width=4.0)
     free = iter(axes.flat)
     for title, data in paths.items():
         draw(one := next(free), data.eps_zz.mean("seed"), data)
