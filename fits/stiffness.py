@@ -1,4 +1,4 @@
-"""E, A, B, G along the biaxial path from probes beside those from the fabric: `python fits/stiffness.py stiffness.h5 [FIGURE.png]`.
+"""E, A, B, G along the biaxial path from probes beside those from the fabric: `python fits/stiffness.py [stiffness.h5 [FIGURE.png]]`.
 
 The file is made by data_generation/stiffness.py; that of the full run is fits/data/stiffness.h5. Moduli in kN/m, half/half measures, those
 of the probes on their elastic way back; the fabric's are those of the same contacts moving affinely (Voigt's bound). Errors are standard
@@ -6,6 +6,7 @@ errors over the seeds.
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -14,13 +15,14 @@ from scipy import stats
 import anisogran as ag
 from anisogran import plots
 
+DATA = Path(__file__).parent / "data" / "stiffness.h5"
 MODULI = ("E", "A", "B", "G")
 PATHS = {"mu = 0": "smooth_path", "mu = 0.5": "rough_path"}
 MORE_PRESSURES = {"mu = 0": "smooth", "mu = 0.5": "rough"}
 K2 = 1e5  # N/m
 
 
-def main(path, figure=None):
+def main(path=DATA, figure=None):
     """Print the tables, save the figure if a file is named; return {name: exponent and its error} of the pressure."""
     tree = ag.open(path)
     data = {name: tree[name].to_dataset().load() for name in tree.children}
@@ -144,4 +146,4 @@ def picture(data):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3]) if len(sys.argv) > 1 else sys.exit(__doc__)
+    main(*sys.argv[1:3])

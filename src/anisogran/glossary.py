@@ -180,8 +180,8 @@ GLOSSARY = {
     "contacts_opened": Quantity("N_-", "1", "contacts that the probe has opened"),
     "contacts_closed": Quantity("N_+", "1", "contacts that the probe has closed"),
     "imbalance": Quantity("f/f_c", "1", "mean net force on a grain over the mean contact force"),
-    "width": Quantity("L_x", "m", "width of the cell"),
-    "height": Quantity("L_z", "m", "height of the cell"),
+    "cell_width": Quantity("L_x", "m", "width of the cell"),
+    "cell_height": Quantity("L_z", "m", "height of the cell"),
     # motion
     "velocity": Quantity("v", "m/s", "velocity; of averages, that of the local linear mean field"),
     "velocity_density": Quantity(r"\nu v", "m/s", "area fraction times velocity, (1/V) sum w V^p v"),

@@ -9,7 +9,7 @@ from anisogran.tensors import plane_parts
 WAYS = ("forth", "back")
 SOURCES = (*WAYS, "fabric")
 MODULI = ("E", "A", "B", "G")
-CLOCK = ("time", "width", "height")  # of a row of the series, not of a state
+CLOCK = ("time", "cell_width", "cell_height")  # of a row of the series, not of a state
 TEST_AXES = np.array([1.0, -1.0, 1.0])  # of the half/half parts in the axes x, z: deviators are zz - xx
 
 

@@ -210,16 +210,16 @@ class Stiffness(Experiment):
     def measure(self, simulation, snapshot, records):
         """One row of the series; the time is that of loading, without the pauses."""
         width, height = (float(side) for side in simulation.walls.lattice[:2])
-        first = records.rows[0] if records.rows else {"width": width, "height": height}
-        eps_xx, eps_zz = math.log(first["width"] / width), math.log(first["height"] / height)
+        first = records.rows[0] if records.rows else {"cell_width": width, "cell_height": height}
+        eps_xx, eps_zz = math.log(first["cell_width"] / width), math.log(first["cell_height"] / height)
         bearing = snapshot.bearing(BEARING)
         box = average(bearing, least_contacts=3 if self.friction is None else 2)
         network = contact_network(bearing, VERTICAL)
         sigma_xx, sigma_zz = (float(sigma) for sigma in np.diag(contact_stress(simulation)))
         return {
             "time": eps_zz / self.strain_rate(),
-            "width": width,
-            "height": height,
+            "cell_width": width,
+            "cell_height": height,
             "eps_zz": eps_zz,
             "eps_xx": eps_xx,
             "eps_V": 0.5 * (eps_zz + eps_xx),
