@@ -2,7 +2,7 @@
 
     python data_generation/biaxial_friction.py biaxial_friction.h5 [--quick]
 
-84 tests, about 30 minutes on two cores; it can be stopped and goes on. Each sample of biaxial.toml is pressed without friction by
+90 tests, about 30 minutes on two cores; it can be stopped and goes on. Each sample of biaxial.toml is pressed without friction by
 the pressure of its test. "drag" adds, at mu = 0, a background damping of the grains to the loading, to see what that does to the peaks.
 --quick makes a rough version in seconds. Read by fits/friction_angle.py and fits/evolution.py.
 """
@@ -16,7 +16,7 @@ SCENE = Path(__file__).with_name("biaxial.toml")
 DURATION = {100: 0.5, 500: 0.25}  # N/m: s of loading
 FRICTION = [0.0, 0.1, 0.2, 0.3, 0.5, 1.0]
 SEEDS = range(1, 7)
-DRAG = [0.01, 0.02]  # kg/s
+DRAG = [0.01, 0.02, 0.1]  # kg/s
 FEWER_SEEDS = range(1, 4)
 SERIES = [
     "eps_zz", "eps_xx", "sigma_zz", "sigma_xx", "s_D", "anisotropy", "fabric_trace", "area_fraction", "coordination_number",

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 COLOURS = {"dem": "#1b4965", "fit": "#d1495b", "local": "#8d99ae", "nonlocal": "#d1495b", "exponential": "#edae49"}
-SERIES = ("#1b4965", "#2a9d8f", "#edae49", "#e76f51", "#d1495b")
+SERIES = ("#1b4965", "#2a9d8f", "#edae49", "#e76f51", "#d1495b", "#6a4c93")
 GRAIN = "#e9e4d8"
 WALL = "#9a9184"
 
