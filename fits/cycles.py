@@ -53,19 +53,19 @@ def main(file=DATA, figure=None):
     for k in range(min(map(len, moved.values()))):
         print(f"  cycle {k + 2:3d} {moved['grains'][k]:32.2e} {moved['model'][k]:11.2e}")
     if figure is not None:
-        curves = {"grains, there and back": (strain, stress), "grains, cycles": (around, cyclic_stress)}
+        curves = {"there and back": (strain, stress), "cycles": (around, cyclic_stress)}
         law = {
-            "grains, there and back": (strain[:n], reversal.sigma_zz),
-            "grains, cycles": (around[: len(cycles.sigma_zz)], cycles.sigma_zz),
+            "there and back": (strain[:n], reversal.sigma_zz),
+            "cycles": (around[: len(cycles.sigma_zz)], cycles.sigma_zz),
         }
-        volumes = {"grains, there and back": (strain, volume), "grains, cycles": (around, cyclic_volume)}
+        volumes = {"there and back": (strain, volume), "cycles": (around, cyclic_volume)}
         law_volumes = {
-            "grains, there and back": (strain[:n], reversal.eps_V),
-            "grains, cycles": (around[: len(cycles.eps_V)], cycles.eps_V),
+            "there and back": (strain[:n], reversal.eps_V),
+            "cycles": (around[: len(cycles.eps_V)], cycles.eps_V),
         }
         axis = r"$\varepsilon_{zz}$"
         panels = [
-            plots.Panel(axis, r"$\sigma_{zz}$ [N/m]", curves, dashed=law, title="dashed: scalar model"),
+            plots.Panel(axis, r"$\sigma_{zz}$ [N/m]", curves, dashed=law, title="grains (lines) and scalar model (dashed)"),
             plots.Panel(axis, r"$\varepsilon_V$ (half of the trace)", volumes, dashed=law_volumes),
         ]
         plots.panels_figure(panels).savefig(figure, dpi=150)

@@ -1,6 +1,7 @@
 """Every script in fits/ that has data in fits/data/ prints and draws what the README says of them. No grain is simulated here."""
 
 import importlib.util
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,48 @@ def test_mohr_circles(figure):
     fits = script("mohr_circles").main(figure=figure)
     assert [np.degrees(fit.values["phi"]) for fit in fits.values()] == sorted(np.degrees(fit.values["phi"]) for fit in fits.values())
     assert fits[1e5].values["c"] == pytest.approx(42.0, abs=1.0)
+
+
+def test_friction_angle(figure, capsys):
+    """Internal angles grow with mu; the lecture's 27 degrees are met, its 31 degrees of a line through the origin only at p = 500."""
+    lines = script("friction_angle").main(figure=figure)
+    phi = {mu: np.degrees(line.values["phi"]) for mu, line in lines.items()}
+    assert list(phi.values()) == sorted(phi.values())
+    assert phi[0.5] == pytest.approx(27.8, abs=0.1)
+    assert phi[0.0] == pytest.approx(9.6, abs=0.1)
+    told = capsys.readouterr().out
+    assert told.count("NOT") == 2  # the heading, and the total angle at p = 100
+    assert "0.100 kg/s" in told
+
+
+def test_evolution_with_pressure(figure, tmp_path):
+    """Structure lags behind stress, and both follow the slower the higher the pressure is."""
+    shutil.copy(FITS / "data" / "biaxial_pressure.h5", tmp_path)
+    result = script("evolution").main(tmp_path, figure)
+    means = {case.conditions["p"]: {name: of.mean(axis=1) for name, of in values.items()} for _, case, values in result}
+    assert list(means) == [200.0, 1000.0]
+    for name in ("s_D", "anisotropy"):
+        beta = [of[name][1] for of in means.values()]
+        assert beta == sorted(beta, reverse=True)
+    assert all(of["s_D"][1] > 2 * of["anisotropy"][1] for of in means.values())
+
+
+def test_scalar_model_at_unseen_pressures(figure):
+    """Between the fitted pressures the law is as near as the error bars; its A follows several times faster than the fabric."""
+    fits, unseen = script("scalar_model").main(figure=figure)
+    assert fits[100].values["s_max"] == pytest.approx(fits[500].values["s_max"], rel=0.2)
+    assert set(unseen) == {200, 1000}
+    assert max(unseen[200].values()) < 0.1
+    assert 0.1 < max(unseen[1000].values()) < 0.2
+    assert fits[100].values["beta_F"] > 3 * 121
+    assert fits[500].values["beta_F"] > 2 * 63
+
+
+def test_cycles(figure, capsys):
+    _, moved = script("cycles").main(figure=figure)
+    assert "eps_V a cycle" in capsys.readouterr().out
+    assert len(moved["grains"]) == len(moved["model"]) == 9
+    assert np.abs(moved["grains"]).max() < 1e-3
 
 
 def test_what_holds_no_data_is_told(tmp_path):
