@@ -113,6 +113,8 @@ def draw(figure, result):
     by_pressure = sorted(((c["p"], values) for c, values in dense if c.get("mu", 0.5) == 0.5), key=lambda point: point[0])
     by_friction = [(c["mu"], values) for c, values in dense if c.get("mu") is not None and c["p"] == 100]
     for points, axis, log in ((by_pressure, "p [N/m]", "xy"), (by_friction, r"contact friction $\mu$", "")):
+        if not points:
+            continue
         rates = {r"$\beta_s$": row(points, "s_D", 1), r"$\beta_F$": row(points, "anisotropy", 1)}
         largest = {r"$s_\mathrm{max}$": row(points, "s_D", 0), r"$A_\mathrm{max}$": row(points, "anisotropy", 0)}
         panels += [plots.Panel(axis, "rate", {}, rates, log=log)] if log else []

@@ -60,7 +60,7 @@ def draw_panel(axes, panel):
     if "x" not in panel.log:
         axes.locator_params(axis="x", nbins=6)
     axes.set_yscale("log" if "y" in panel.log else "linear")
-    shown = np.concatenate([np.ravel(y) for _, y, *_ in (*panel.curves.values(), *panel.points.values(), *panel.dashed.values())])
-    if panel.from_zero and "y" not in panel.log and np.nanmin(shown) >= 0:
+    shown = np.concatenate([[], *(np.ravel(y) for _, y, *_ in (*panel.curves.values(), *panel.points.values(), *panel.dashed.values()))])
+    if panel.from_zero and "y" not in panel.log and np.min(shown, initial=0.0, where=np.isfinite(shown)) >= 0:
         axes.set_ylim(0.0, None)
     axes.legend(fontsize=8, frameon=False)
