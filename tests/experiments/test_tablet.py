@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from anisogran import InputError, Luding, Tablet, average, contact_path, fit
-from anisogran.dem import Box, Friction, Grains, Open, Pressure, Simulation
+from anisogran.dem import Box, Friction, Grains, Open, Pressure, Simulation, longest_step
+from anisogran.experiments.preparation import sphere_mass
 from anisogran.experiments.tablet_tests import WIDE, platen_row, torn
 from anisogran.runs.session import Session
 
@@ -139,6 +140,14 @@ def test_a_shaken_floor_moves_as_told_and_breaks_a_weak_tablet():
     np.testing.assert_allclose(weak.series.floor_height, 1e-3 * (1 - np.cos(phase)), atol=1e-8)
     assert float(weak.series.largest_fragment[0]) > 0.9
     assert float(weak.series.largest_fragment.min()) < 0.6
+
+
+def test_the_time_step_counts_the_friction_of_the_test():
+    """It is the same in all stages, so the first must know of springs and dashpots that come with the last."""
+    for friction in (Friction(2e4, 0.5), Friction(5e6, 0.5), Friction(2e4, 0.5, damping=10.0)):
+        scene = Tablet(n=60, friction=friction)
+        mass = sphere_mass(scene.box(scene.pressure).loose_box()[0], scene.density)
+        assert scene.step() == pytest.approx(0.5 * longest_step(scene.contact, friction, None, mass), rel=1e-12)
 
 
 def test_a_tablet_needs_a_high_pressure():

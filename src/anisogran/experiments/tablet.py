@@ -77,9 +77,9 @@ class Tablet(Experiment):
         )
 
     def box(self, pressure):
-        """The biaxial box in which the grains are pressed under that pressure."""
-        keys = ("contact", "n", "mean_radius", "size_ratio", "density", "contact_steps", "seed")
-        return Biaxial(pressure=pressure, friction=None, **{name: getattr(self, name) for name in keys})
+        """The biaxial box in which the grains are pressed under that pressure; it knows the friction of the test only for the time step."""
+        keys = ("contact", "friction", "n", "mean_radius", "size_ratio", "density", "contact_steps", "seed")
+        return Biaxial(pressure=pressure, **{name: getattr(self, name) for name in keys})
 
     def step(self):
         """The time step in s."""
