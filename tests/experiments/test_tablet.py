@@ -150,9 +150,12 @@ def test_the_time_step_counts_the_friction_of_the_test():
         assert scene.step() == pytest.approx(0.5 * longest_step(scene.contact, friction, None, mass), rel=1e-12)
 
 
-def test_a_tablet_needs_a_high_pressure():
+def test_what_is_no_test_of_a_tablet_is_refused():
     with pytest.raises(InputError, match=r"^Tablet: pressing_pressure = 2 must be above the pressure, 2 N/m$"):
         Tablet(pressing_pressure=2.0)
+    with pytest.raises(InputError, match=r"duration = 0\.1 s and frequency = 1e\+12 1/s make 6\.4e\+12 points of the path of the floor"):
+        Tablet(test="vibration", frequency=1e12)
+    assert Tablet(frequency=1e12).frequency == 1e12  # nothing vibrates
     assert Tablet(friction=None).friction is None
     assert Tablet().friction == Friction(2e4, 0.5)
     assert Tablet(test="vibration").nominal_inertial_number() == 0.0

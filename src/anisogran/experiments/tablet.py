@@ -15,7 +15,7 @@ from anisogran.dem import Box, Friction, Linear, Luding, Open
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
 from anisogran.experiments.preparation import background_drag, sphere_mass
-from anisogran.experiments.tablet_tests import TESTS
+from anisogran.experiments.tablet_tests import TESTS, check_path
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
@@ -59,6 +59,8 @@ class Tablet(Experiment):
     def check(self):
         if self.pressing_pressure <= self.pressure:
             raise InputError(f"Tablet: pressing_pressure = {self.pressing_pressure:g} must be above the pressure, {self.pressure:g} N/m")
+        if self.test == "vibration":
+            check_path(self)
 
     def stages(self):
         """Prepare (press and relax), press at high pressure, release, take the walls away, test."""

@@ -11,6 +11,8 @@ import numpy as np
 
 from anisogran.averaging import average, fragments
 from anisogran.dem import Box, Cosine, Path
+from anisogran.outcome import InputError
+from anisogran.scenes.keys import MANY
 
 WIDE, HIGH = 3.0, 4.0  # the box around a tablet, in its widths and, where it is shaken, heights
 GRIP = 1.5  # mean diameters of each end of the tablet that are glued to the platen in tension
@@ -23,6 +25,16 @@ class Test(NamedTuple):
 
     begin: Callable
     row: Callable
+
+
+def check_path(scene):
+    """Raises InputError if the path of the floor has more than MANY points."""
+    points = scene.duration * scene.frequency * POINTS
+    if points > MANY:
+        raise InputError(
+            f"Tablet: duration = {scene.duration:g} s and frequency = {scene.frequency:g} 1/s make {points:g} points of the path of the "
+            f"floor, {POINTS} in a period; at most {MANY:g} are kept"
+        )
 
 
 def placed(free):
