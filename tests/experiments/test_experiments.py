@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from anisogran import Biaxial, RingShear, SimpleShear, average
+from anisogran import Biaxial, CohesiveGas, RingShear, SimpleShear, Stiffness, Tablet, average
 from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation
 from anisogran.experiments import simple_shear
@@ -19,6 +19,7 @@ from anisogran.experiments.biaxial import BEARING
 from anisogran.experiments.simple_shear import steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
+from anisogran.runs.estimates import estimate
 from anisogran.runs.session import Session
 from anisogran.runs.stages import Stage, equilibrium
 
@@ -229,6 +230,21 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
     state = steady_state(shear)
     assert 0 < float(state.stress_ratio_error) < 0.05
     assert shear.series.strain[-1] == pytest.approx(3.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (Biaxial(duration=1e300), "Biaxial: duration = 1e+300 s makes "),
+        (CohesiveGas(duration=1e15), "CohesiveGas: duration = 1e+15 s makes "),
+        (Tablet(duration=1e300), "Tablet: duration = 1e+300 s makes "),
+        (Stiffness(inertial_number=1e-30), "Stiffness: inertial_number = 1e-30 makes "),
+    ],
+)
+def test_what_takes_for_ever_is_refused(scene, words):
+    """Before the first step; numbers of steps beyond 2^63 would wrap around."""
+    with pytest.raises(InputError, match=f"^{re.escape(words)}.* time steps of .* s; at most 1e\\+14 are taken$"):
+        estimate(scene)
 
 
 def test_absurd_runs_are_warned_of():

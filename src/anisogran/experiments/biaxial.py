@@ -16,7 +16,7 @@ from anisogran.averaging import average, contact_directions
 from anisogran.dem import Box, Cosine, Friction, Grains, Linear, Luding, Pressure, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, check_rows, labelled_series, squeezed
-from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass, time_steps
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
@@ -84,7 +84,8 @@ class Biaxial(Experiment):
         dt = self.step(mass)
         closing = int(0.25 * side / self.wall_speed(side, mass) / dt)
         relaxing = max(1000, closing // 20) * np.arange(1, ATTEMPTS + 1)
-        loading = np.linspace(0, self.half_periods * math.ceil(self.duration / dt), self.half_periods * self.samples + 1).astype(int)
+        half = time_steps(self.duration, dt, f"Biaxial: duration = {self.duration:g} s")
+        loading = np.linspace(0, self.half_periods * half, self.half_periods * self.samples + 1).astype(int)
         stages = [
             Stage("press", closing // 10 * np.arange(1, 11), begin=self.loose),
             Stage("relax", relaxing, gate=self.at_rest(self.first_pressure), expected=60),

@@ -14,7 +14,7 @@ from anisogran.averaging import average, fragments
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly
-from anisogran.experiments.preparation import quasi_static_step, sphere_mass
+from anisogran.experiments.preparation import quasi_static_step, sphere_mass, time_steps
 from anisogran.outcome import Status
 from anisogran.runs.stages import Stage
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
@@ -48,7 +48,7 @@ class CohesiveGas(Experiment):
 
     def stages(self):
         """The gas is let go."""
-        steps = math.ceil(self.duration / self.step(self.start()[0]))
+        steps = time_steps(self.duration, self.step(self.start()[0]), f"CohesiveGas: duration = {self.duration:g} s")
         marks = np.linspace(0, steps, self.samples + 1).astype(int)
         return (Stage("cool", marks, begin=self.flying, look=self.look),)
 

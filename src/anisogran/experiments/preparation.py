@@ -5,9 +5,11 @@ import math
 import numpy as np
 
 from anisogran.dem import longest_step
+from anisogran.outcome import InputError
 
 LOOSE = 0.4  # area fraction of the random start
 ATTEMPTS = 200  # looks for equilibrium, after which a preparation is given up
+MOST_STEPS = 1e14  # of a time; a single grain would take months
 
 
 def quasi_static_step(contact, friction, mass, contact_steps=20.0):
@@ -16,6 +18,14 @@ def quasi_static_step(contact, friction, mass, contact_steps=20.0):
     A twentieth gives the restitution to 1.6 %.
     """
     return 5.0 / contact_steps * longest_step(contact, friction, None, mass)
+
+
+def time_steps(time, dt, told):
+    """How many steps of dt take this time, both in s. Raises InputError, beginning with what is `told`, for more than MOST_STEPS."""
+    steps = time / dt
+    if not steps <= MOST_STEPS:
+        raise InputError(f"{told} makes {steps:.2g} time steps of {dt:.2g} s; at most {MOST_STEPS:g} are taken")
+    return math.ceil(steps)
 
 
 def background_drag(contact, mass):

@@ -16,7 +16,7 @@ from anisogran.averaging.directions import contact_network
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import random_positions, uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, squeezed
-from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass, time_steps
 from anisogran.experiments.probed_state import moduli_row, probe_row, tables_of
 from anisogran.experiments.probing import contact_stress, imbalance, in_cell, probes
 from anisogran.models import network_moduli
@@ -91,7 +91,8 @@ class Stiffness(Experiment):
 
     def steps_to(self, k, dt):
         """Time steps of loading from the state before to the state k."""
-        return math.ceil((self.strains[k] - self.strains[k - 1]) / (self.strain_rate() * dt))
+        time = (self.strains[k] - self.strains[k - 1]) / self.strain_rate()
+        return time_steps(time, dt, f"Stiffness: inertial_number = {self.inertial_number:g}")
 
     def strain_rate(self):
         """Vertical strain rate of the loading in 1/s; the inertial number counts twice its deviator."""

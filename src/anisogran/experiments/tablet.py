@@ -14,7 +14,7 @@ import numpy as np
 from anisogran.dem import Box, Friction, Linear, Luding, Open
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.experiment import Experiment, labelled_series, squeezed
-from anisogran.experiments.preparation import background_drag, sphere_mass
+from anisogran.experiments.preparation import background_drag, sphere_mass, time_steps
 from anisogran.experiments.tablet_tests import TESTS, check_path
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage
@@ -67,8 +67,8 @@ class Tablet(Experiment):
         loose, high = self.box(self.pressure), self.box(self.pressing_pressure)
         press, relax = loose.stages()[:2]
         waiting = high.stages()[1].marks
-        dt = self.step()
-        testing = np.linspace(0, np.ceil(self.duration / dt), self.samples + 1).astype(int)
+        steps = time_steps(self.duration, self.step(), f"Tablet: duration = {self.duration:g} s")
+        testing = np.linspace(0, steps, self.samples + 1).astype(int)
         return (
             replace(press, begin=self.loose),
             replace(relax, expected=30),
