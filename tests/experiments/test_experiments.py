@@ -13,7 +13,7 @@ import xarray as xr
 
 from anisogran import Biaxial, CohesiveGas, RingShear, SimpleShear, Stiffness, Tablet, average
 from anisogran import open as open_results
-from anisogran.dem import Friction, Linear, Luding, Simulation
+from anisogran.dem import Friction, Linear, Luding, Simulation, longest_step
 from anisogran.experiments import simple_shear
 from anisogran.experiments.biaxial import BEARING
 from anisogran.experiments.simple_shear import steady_state
@@ -245,6 +245,21 @@ def test_what_takes_for_ever_is_refused(scene, words):
     """Before the first step; numbers of steps beyond 2^63 would wrap around."""
     with pytest.raises(InputError, match=f"^{re.escape(words)}.* time steps of .* s; at most 1e\\+14 are taken$"):
         estimate(scene)
+
+
+@pytest.mark.parametrize("kind", [Biaxial, Tablet, Stiffness])
+def test_any_ratio_of_sizes_can_be_prepared(kind):
+    """The lightest of the grains weighs a two-thousandth of the mean; the damping is made for the mean, and the step for the contacts."""
+    scene = kind(n=60, size_ratio=20.0, contact_steps=5.0)
+    sim = scene.stages()[0].begin(None)
+    assert sim.dt <= longest_step(sim.effects["normal"], None, sim.effects["drag"], sim.grains.mass)
+
+
+def test_the_time_step_counts_the_drag_of_loading():
+    """It is not changed when loading begins, where no step is refused."""
+    mass = np.array([1e-6, 1e-5])
+    assert Biaxial(drag=0.02).step(mass) == Biaxial().step(mass)
+    assert Biaxial(drag=100.0).step(mass) <= 0.5 * 1e-6 / 100.0
 
 
 def test_absurd_runs_are_warned_of():

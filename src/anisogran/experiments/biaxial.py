@@ -96,7 +96,7 @@ class Biaxial(Experiment):
 
     def step(self, mass):
         """The time step in s."""
-        return quasi_static_step(self.contact, self.friction, mass, self.contact_steps)
+        return quasi_static_step(self.contact, self.friction, mass, self.contact_steps, self.drag)
 
     def cohesionless(self):
         """The contact law without its adhesion."""

@@ -12,12 +12,12 @@ ATTEMPTS = 200  # looks for equilibrium, after which a preparation is given up
 MOST_STEPS = 1e14  # of a time; a single grain would take months
 
 
-def quasi_static_step(contact, friction, mass, contact_steps=20.0):
-    """The time step of the experiments in s: that part of the shortest contact time, less for strong dashpots.
+def quasi_static_step(contact, friction, mass, contact_steps=20.0, drag=None):
+    """The time step of the experiments in s: that part of the shortest contact time, less for strong dashpots and for drag.
 
     A twentieth gives the restitution to 1.6 %.
     """
-    return 5.0 / contact_steps * longest_step(contact, friction, None, mass)
+    return 5.0 / contact_steps * longest_step(contact, friction, drag, mass)
 
 
 def time_steps(time, dt, told):
@@ -29,8 +29,12 @@ def time_steps(time, dt, told):
 
 
 def background_drag(contact, mass):
-    """Damping of the preparation in kg/s: a mean grain loses its velocity within fifty of the shortest contact times."""
-    return float(mass.mean()) / (50 * math.pi * math.sqrt(0.5 * float(mass.min()) / contact.stiffest))
+    """Damping of the preparation in kg/s: a mean grain loses its velocity within fifty of the shortest contact times.
+
+    More, if the lightest grain would lose its own within half of one: no time step of a contact would be short enough for that.
+    """
+    lightest = float(mass.min())
+    return min(float(mass.mean()), 100 * lightest) / (50 * math.pi * math.sqrt(0.5 * lightest / contact.stiffest))
 
 
 def sphere_mass(radius, density):
