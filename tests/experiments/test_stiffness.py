@@ -219,6 +219,19 @@ def test_a_run_is_kept_and_taken_up(run, tmp_path):
     np.testing.assert_array_equal(again.snapshots["frame-00000002"].force, run.snapshots["frame-00000002"].force)
 
 
+def test_a_probe_that_does_not_come_to_rest_is_told_of(run):
+    """The way is measured as it is, and the status of the run says so."""
+    assert run.scene.doubts(run.tables) == []
+    probes = run.tables["probes"].copy(deep=True)
+    probes["imbalance"][[0, 1, 30]] = 2 * run.scene.rest
+    told = run.scene.doubts({"probes": probes})
+    assert told == [f"state {k}: ways of its probes that did not come to rest: {count}" for k, count in ((0, 2), (2, 1))]
+    coarse = Stiffness(n=60, states=1, inertial_number=0.01, probe=1e-2).run()
+    moving = int((coarse.tables["probes"].imbalance >= coarse.scene.rest).sum())
+    assert moving > 0
+    assert str(coarse.status).endswith(f"state 0: ways of its probes that did not come to rest: {moving}")
+
+
 def test_what_cannot_be_probed_is_refused():
     with pytest.raises(InputError, match="plastic_depth"):
         Stiffness(contact=Luding(5e4, 1e5, plastic_depth=0.05))

@@ -40,6 +40,10 @@ class Experiment(BaseModel):
         """{name: Dataset} of what is measured beside the series. Nothing here."""
         return {}
 
+    def doubts(self, tables):
+        """Warnings that follow from what is measured beside the series, as `tables` gives it, a list of sentences. None here."""
+        return []
+
     def run(self, progress=None, folder=None, resume=False, force=False):
         """The Run. `progress(fraction)` is called several times a second.
 

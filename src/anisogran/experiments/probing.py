@@ -7,6 +7,7 @@ loaded unloads. What is left of the stress at the end did not come back.
 The stress is that of the contacts, per deformed area, seen from the material: the rotation of simple shear is undone.
 """
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -40,12 +41,11 @@ def probes(simulation, size, steps, rest, drag=None, directions=tuple(DIRECTIONS
     """The `Way`s of probes of both signs in all `directions`, forth and back; the simulation, at rest in its cell, stays as it is.
 
     size: of the strain, half/half (eps_V, eps_D or eps_xy); steps: in which it is reached; rest: the `imbalance` below which a stress is
-    taken; drag: background damping in kg/s. A way that does not come to rest says so
-    by its `imbalance`. Raises RunFailed as `Simulation.run`.
+    taken; drag: background damping in kg/s. A way that does not come to rest says so by its `imbalance`. Raises RunFailed as
+    `Simulation.run`.
     """
-    return [
-        way for name in directions for sign in (1.0, -1.0) for way in _there_and_back(simulation, name, sign, size, steps, rest, drag)
-    ]  # fmt: skip
+    cases = product(directions, (1.0, -1.0))
+    return [way for name, sign in cases for way in _there_and_back(simulation, name, sign, size, steps, rest, drag)]
 
 
 def _there_and_back(simulation, name, sign, size, steps, rest, drag):
@@ -82,7 +82,7 @@ def _contacts(simulation):
 def strained(simulation, d_eps, steps, rest, drag=None):
     """A Simulation of the same grains and memory after the strain d_eps (2, 2) of the cell, in `steps` steps, at rest again.
 
-    All of a shear strain is in the flow along x, as in simple shear: the material turns by d_eps[0, 1] clockwise.
+    All of a shear strain is in the flow along x, as in simple shear: the material turns by d_eps[0, 1] counter-clockwise.
     """
     rate = np.array([[d_eps[0, 0], 2.0 * d_eps[0, 1]], [0.0, d_eps[1, 1]]]) / (steps * simulation.dt)
     flow = {"shear_rate": -rate[0, 1], "stretch_rate": (-rate[0, 0], -rate[1, 1])}

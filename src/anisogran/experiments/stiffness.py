@@ -245,6 +245,15 @@ class Stiffness(Experiment):
         """The moduli over (state, source), with what else is known of the states; and all probes."""
         return tables_of(records)
 
+    def doubts(self, tables):
+        """Probes that did not come to rest, whose moduli contain what was still in motion."""
+        moving = (tables["probes"].imbalance >= self.rest).groupby(tables["probes"].probed_state).sum()
+        return [
+            f"state {int(k)}: ways of its probes that did not come to rest: {int(count)}"
+            for k, count in zip(moving.probed_state, moving, strict=True)
+            if count
+        ]
+
     def nominal_inertial_number(self):
         """Of the loading."""
         return self.inertial_number

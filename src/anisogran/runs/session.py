@@ -111,11 +111,14 @@ class Session:
         if not self.records.rows:
             return None
         series, profiles, blocks = self.scene.fields(self.records, self.simulation)
+        tables = self.scene.tables(self.records)
         if self.is_over:
             status = self.scene.judge(series, blocks, self.simulation)
+            for doubt in self.scene.doubts(tables):
+                status = status.warn(doubt)
         else:
             status = Status().warn(f"unfinished: in stage {self.stage_name}, {self.fraction:.0%} done")
-        return Run(self.scene, series, profiles, blocks, self.records.snapshots, status, self.provenance(), self.scene.tables(self.records))
+        return Run(self.scene, series, profiles, blocks, self.records.snapshots, status, self.provenance(), tables)
 
     def provenance(self):
         """Where the result comes from: scene, versions, effects, counters and the measured speed, as a flat dict of plain values."""
