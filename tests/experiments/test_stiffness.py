@@ -14,6 +14,7 @@ from anisogran.experiments.probing import DIRECTIONS, contact_stress, in_cell, p
 from anisogran.fitting import probed_moduli
 from anisogran.models import network_moduli
 from anisogran.outcome import Interrupted
+from anisogran.runs.session import Session
 from anisogran.tensors import plane_parts, rotate
 
 K, KT, RADIUS = 1e5, 2e4, 1e-3
@@ -230,6 +231,18 @@ def test_a_probe_that_does_not_come_to_rest_is_told_of(run):
     moving = int((coarse.tables["probes"].imbalance >= coarse.scene.rest).sum())
     assert moving > 0
     assert str(coarse.status).endswith(f"state 0: ways of its probes that did not come to rest: {moving}")
+
+
+def test_the_estimate_counts_the_steps_of_probes(monkeypatch):
+    """They are some half of all, on copies of the simulation; a guess to a factor of two."""
+    taken, run = [], Simulation.run
+    monkeypatch.setattr(Simulation, "run", lambda self, steps, **more: taken.append(steps) or run(self, steps, **more))
+    scene = Stiffness(n=60, states=1, inertial_number=0.01)
+    session = Session(scene)
+    session.go()
+    probes = session.stages[-1]
+    assert probes.name == "probe-0"
+    assert 0.5 < probes.steps / (sum(taken) - session.grain_steps / scene.n) < 2.0
 
 
 def test_what_cannot_be_probed_is_refused():

@@ -28,6 +28,7 @@ BEARING = 1e-3  # of the mean force: contacts with less are open but for their d
 VERTICAL = 0.5 * math.pi  # angle of the axis of the test, and of the structure
 CLOSING = 0.01  # strain rate of the sides while nothing resists, in units of sqrt(pressure/mean mass)
 LAG = 0.01  # of the pressure: how far the horizontal stress stays behind it, while the width grows as fast as the height shrinks
+WAYS, LENGTHS = 12, 7  # of the probes of a state, and how many times as long as its strain one takes: 4 with friction, 12 without
 CALM = 1e-4  # net forces of a state at rest, as a part of the forces that a probe makes
 
 
@@ -81,7 +82,7 @@ class Stiffness(Experiment):
                 marks = np.unique(np.linspace(0, steps, rows + 1)[1:].astype(int))
                 stages.append(Stage(f"load-{k}", marks, begin=self.loading(k, steps), look=self.look))
             stages.append(Stage(f"settle-{k}", settling, begin=self.settling(k), gate=self.calm, expected=5))
-            stages.append(Stage(f"probe-{k}", np.array([0]), look=self.probed))
+            stages.append(Stage(f"probe-{k}", np.array([0]), look=self.probed, beside=WAYS * LENGTHS * self.probe_steps))
         return stages
 
     @property

@@ -19,7 +19,8 @@ class Stage:
     marks: steps since the stage began, rising, at which it is looked at. begin(simulation of the stage before, or None): the Simulation
     of this stage; None goes on with the one before. look(simulation, records, k) records what is wanted at mark k. A stage with a gate
     ends at the first mark where gate(simulation) is empty; what the gate says at the last mark is why the run is refused. `expected`:
-    how many of the marks such a stage takes as a rule; it only moves the estimate of the time.
+    how many of the marks such a stage takes as a rule, `beside`: how many steps its looks take of copies of the simulation; both only move
+    the estimate of the time.
     """
 
     name: str
@@ -28,11 +29,12 @@ class Stage:
     look: Callable | None = None
     gate: Callable | None = None
     expected: int | None = None
+    beside: int = 0
 
     @property
     def steps(self):
         """Steps that the stage takes, or is expected to take."""
-        return int(self.marks[-1 if self.expected is None else min(self.expected, len(self.marks)) - 1])
+        return self.beside + int(self.marks[-1 if self.expected is None else min(self.expected, len(self.marks)) - 1])
 
     def is_over(self, simulation, done):
         """Whether the stage ends after `done` of its marks. Raises RunFailed naming the stage if it may not end as it is."""
