@@ -113,7 +113,7 @@ GLOSSARY = {
     "elastic_energy": Quantity("E_e", "J", "energy that all contacts can give back"),
     "spin_rms": Quantity(r"\omega_\mathrm{rms}", "1/s", "root mean square spin of the grains"),
     "kinetic_energy": Quantity("E_k", "J", "kinetic energy of the free grains, spin included"),
-    "granular_temperature": Quantity("T", "J", "granular temperature, kinetic energy a grain: of two directions half as much each"),
+    "granular_temperature": Quantity("T", "J", "granular temperature, kinetic energy of translation a grain, half of it in each direction"),
     # contact network: directions, forces, chains
     "angle": Quantity(r"\theta", "rad", "angle of the contact normal, from the centre of the grain", 2 * math.pi),
     "contact_density": Quantity(r"f(\theta)", "1/rad", "probability density of the contact normals"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from anisogran import CohesiveGas, Luding
+from anisogran import CohesiveGas, Friction, Luding
 from anisogran.dem import Grains, Open, Simulation
 
 SMALL = {"n": 60, "duration": 0.08, "samples": 80, "seed": 4}
@@ -49,7 +49,15 @@ def test_energy_never_grows(gases):
         energy = (run.series.kinetic_energy + run.series.elastic_energy).values
         assert np.diff(energy).max() < 1e-5 * energy[0]  # what the time step adds at the kinks of the law
         assert energy[-1] < 0.2 * energy[0]
-        np.testing.assert_allclose(run.series.granular_temperature, run.series.kinetic_energy / 60, rtol=1e-15)
+        np.testing.assert_allclose(run.series.granular_temperature, run.series.kinetic_energy / 60, rtol=1e-12)
+
+
+def test_the_temperature_is_that_of_translation():
+    """With friction grains turn, and the kinetic energy contains that; in two dimensions T is the mean of m v_x^2 and m v_y^2."""
+    run = CohesiveGas(friction=Friction(2e4, 0.5), **SMALL | {"duration": 0.02}).run()
+    end, last = run.snapshots["end"], run.series.isel(time=-1)
+    assert float(last.granular_temperature) == pytest.approx(np.mean(0.5 * end.mass * np.sum(end.velocity**2, axis=1)), rel=1e-12)
+    assert float(last.kinetic_energy) / 60 > 1.01 * float(last.granular_temperature)
 
 
 def test_only_attraction_makes_clusters(gases):

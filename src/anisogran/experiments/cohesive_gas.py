@@ -1,8 +1,8 @@
 """A free cohesive gas of grains that clusters: attraction + dissipation = agglomeration, as the lecture has it.
 
 Discs fly about in a periodic cell, with nothing that drives them. Hysteretic contacts and dashpots take energy at each collision; with
-adhesion grains that come together too slowly to part again stay together, and so do the clusters that they are. Without adhesion
-(kc = 0) the gas cools all the same, but no contact lasts.
+adhesion a pair stays together if parting takes all that is left, and so do clusters. Without adhesion (kc = 0) the gas cools all the
+same, but no contact lasts.
 """
 
 import math
@@ -91,12 +91,12 @@ class CohesiveGas(Experiment):
     def measure(self, simulation, snapshot):
         """One row of the series."""
         parts = fragments(snapshot)
-        kinetic = simulation.kinetic_energy()
+        translation = 0.5 * float(snapshot.mass @ np.sum(snapshot.velocity**2, axis=1))
         return {
             "time": simulation.time,
-            "kinetic_energy": kinetic,
+            "kinetic_energy": simulation.kinetic_energy(),
             "elastic_energy": simulation.energy()["elastic"],
-            "granular_temperature": kinetic / self.n,
+            "granular_temperature": translation / self.n,
             "fragments": int(parts.fragments),
             "largest_fragment": float(parts.largest_fragment),
             "mean_fragment_mass": float(parts.mean_fragment_mass),
