@@ -446,6 +446,8 @@ def test_grains_can_be_glued_to_walls_later():
         sim.next_stage(boundary=box, driven=[none, none, bottom, bottom])
     with pytest.raises(InputError, match=r"^next_stage: driven has the shape \(1, 3\) of bool; it must be \(5,\) bool"):
         sim.next_stage(boundary=box, driven=none[:3])
+    with pytest.raises(InputError, match=r"^next_stage: driven has masks of different lengths; each must be \(5,\) bool"):
+        sim.next_stage(boundary=box, driven=[none, none[:3]])
 
 
 def test_a_periodic_cell_tells_how_its_images_move():

@@ -55,6 +55,7 @@ def test_many_curves_at_once():
     [
         (np.linspace(0.0, 0.003, 10), "spans 0.003, the width of the average is 0.004"),
         ([0.0, 0.05, 0.04, 0.1], "the strain must grow"),
+        ([0.0, 0.05, np.nan], r"^peak: 2 finite points \(of 3\) are too few, 3 are needed$"),
     ],
 )
 def test_what_has_no_peak_is_refused(strain, words):

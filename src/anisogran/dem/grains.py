@@ -75,7 +75,10 @@ def driven_last(n, driven):
 
     Raises InputError for a mask of another shape and for a grain that is in two of them.
     """
-    masks = np.atleast_2d(np.asarray(driven))
+    try:
+        masks = np.atleast_2d(np.asarray(driven))
+    except ValueError:
+        raise InputError(f"next_stage: driven has masks of different lengths; each must be ({n},) bool") from None
     if masks.dtype != bool or masks.shape[1:] != (n,):
         raise InputError(f"next_stage: driven has the shape {masks.shape} of {masks.dtype}; it must be ({n},) bool, or a list of such")
     twice = np.flatnonzero(masks.sum(axis=0) > 1)

@@ -35,7 +35,7 @@ def finite_rows(where, **rows):
         raise InputError(f"{where}: the data must be rows of one length, are {shapes}")
     finite = np.all(np.isfinite(values), axis=0)
     if finite.sum() < 3:
-        raise InputError(f"{where}: {finite.sum()} finite points (of {finite.size}) are too few for moduli, 3 are needed")
+        raise InputError(f"{where}: {finite.sum()} finite points (of {finite.size}) are too few, 3 are needed")
     return [value[finite] for value in values], int(finite.size - finite.sum())
 
 
