@@ -1,4 +1,4 @@
-"""A study keeps of each sweep what was asked for, and refuses what it cannot keep before anything runs."""
+"""A study keeps of each sweep what was asked for, and refuses a file that it cannot write before anything runs."""
 
 import numpy as np
 import pytest

@@ -12,9 +12,9 @@ import numpy as np
 
 from anisogran.averaging import average, fragments
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
-from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.dem.packing import uniform_radii
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, spread_evenly
-from anisogran.experiments.preparation import quasi_static_step, sphere_mass, time_steps
+from anisogran.experiments.preparation import positions_in_cell, quasi_static_step, sphere_mass, time_steps
 from anisogran.outcome import Status
 from anisogran.runs.stages import Stage
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
@@ -65,12 +65,7 @@ class CohesiveGas(Experiment):
     def flying(self, _):
         """The Simulation of the gas at its start."""
         radius, side, rng = self.start()
-
-        def anywhere(points, r):
-            return np.ones(len(points), bool)
-
-        period = np.array([side, side])
-        position = random_positions(radius, lambda rng, count: rng.uniform(0, side, (count, 2)), anywhere, rng, period=period)
+        position = positions_in_cell(radius, np.array([side, side]), rng)
         mass = sphere_mass(radius, self.density)
         velocity = rng.standard_normal((self.n, 2))
         velocity -= np.average(velocity, axis=0, weights=mass)

@@ -1,10 +1,11 @@
-"""What all preparations share: start density, time step, damping."""
+"""What all preparations share: start density, random start in a cell, time step, damping."""
 
 import math
 
 import numpy as np
 
 from anisogran.dem import longest_step
+from anisogran.dem.packing import random_positions
 from anisogran.outcome import InputError
 
 LOOSE = 0.4  # area fraction of the random start
@@ -35,6 +36,15 @@ def background_drag(contact, mass):
     """
     lightest = float(mass.min())
     return min(float(mass.mean()), 100 * lightest) / (50 * math.pi * math.sqrt(0.5 * lightest / contact.stiffest))
+
+
+def positions_in_cell(radius, period, rng):
+    """Random positions (N, 2) in m of discs of these radii that do not overlap, in a periodic cell with the sides `period` (2,)."""
+
+    def anywhere(points, r):
+        return np.ones(len(points), bool)
+
+    return random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
 
 
 def sphere_mass(radius, density):

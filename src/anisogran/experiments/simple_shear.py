@@ -16,9 +16,9 @@ import xarray as xr
 from anisogran import tensors
 from anisogran.averaging import average, drift, mean_and_error
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
-from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.dem.packing import uniform_radii
 from anisogran.experiments.experiment import Experiment, check_rows, frame_name, labelled_series, spread_evenly, squeezed
-from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass
+from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, positions_in_cell, quasi_static_step, sphere_mass
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
@@ -125,14 +125,9 @@ class SimpleShear(Experiment):
 
     def loose_grains(self):
         """Grains in their random start, radii, width and height of their cell."""
-        radius, (width, height), rng = self.loose_cell()
-        period = np.array([width, height])
-
-        def anywhere(points, r):
-            return np.ones(len(points), bool)
-
-        position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
-        return Grains(position, radius, density=self.density), radius, (width, height)
+        radius, size, rng = self.loose_cell()
+        position = positions_in_cell(radius, np.array(size), rng)
+        return Grains(position, radius, density=self.density), radius, size
 
     def pressed(self, _):
         """The Simulation of a loose sample whose height is pressed together."""

@@ -14,9 +14,18 @@ import numpy as np
 from anisogran.averaging import average
 from anisogran.averaging.directions import contact_network
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
-from anisogran.dem.packing import random_positions, uniform_radii
+from anisogran.dem.packing import uniform_radii
+from anisogran.experiments.biaxial import BEARING
 from anisogran.experiments.experiment import Experiment, frame_name, labelled_series, squeezed
-from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, quasi_static_step, sphere_mass, time_steps
+from anisogran.experiments.preparation import (
+    ATTEMPTS,
+    LOOSE,
+    background_drag,
+    positions_in_cell,
+    quasi_static_step,
+    sphere_mass,
+    time_steps,
+)
 from anisogran.experiments.probed_state import moduli_row, probe_row, tables_of
 from anisogran.experiments.probing import contact_stress, imbalance, in_cell, probes
 from anisogran.models import network_moduli
@@ -24,7 +33,6 @@ from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, scene_key, scene_table
 
-BEARING = 1e-3  # of the mean force: contacts with less are open but for their dashpot
 VERTICAL = 0.5 * math.pi  # angle of the axis of the test, and of the structure
 CLOSING = 0.01  # strain rate of the sides while nothing resists, in units of sqrt(pressure/mean mass)
 LAG = 0.01  # of the pressure: how far the horizontal stress stays behind it, while the width grows as fast as the height shrinks
@@ -121,13 +129,7 @@ class Stiffness(Experiment):
     def loose(self, _):
         """The Simulation of a loose sample whose sides are pressed together."""
         radius, side, rng = self.loose_cell()
-        period = np.array([side, side])
-
-        def anywhere(points, r):
-            return np.ones(len(points), bool)
-
-        position = random_positions(radius, lambda rng, count: rng.uniform(0, period, (count, 2)), anywhere, rng, period=period)
-        grains = Grains(position, radius, density=self.density)
+        grains = Grains(positions_in_cell(radius, np.array([side, side]), rng), radius, density=self.density)
         law = replace(self.contact, kc=0.0) if isinstance(self.contact, Luding) else self.contact
         cell = Periodic(side, side, pressure=self.pressure, viscosity=self.viscosity(radius))
         return Simulation(grains, law, boundary=cell, drag=background_drag(self.contact, grains.mass), dt=self.step(radius))
