@@ -8,7 +8,7 @@ import anisogran as ag
 
 def curve(path):
     """sigma_zz and eps_V of a run up to its peak, under its constant side pressure."""
-    run = ag.open(path)
+    run = ag.open(path, holds="series")
     series = run["series"].to_dataset()
     used = series.isel(time=slice(int(series.s_D.values.argmax()) + 1))
     control = ag.models.biaxial(used.eps_zz.values, tomllib.loads(run.attrs["scene"])["pressure"])

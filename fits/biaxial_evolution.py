@@ -7,7 +7,7 @@ import anisogran as ag
 
 def main(path):
     """Print and return the fits of s_D and of the anisotropy over the half/half eps_D."""
-    series = ag.open(path)["series"].to_dataset()
+    series = ag.open(path, holds="series")["series"].to_dataset()
     fits = {name: ag.fit.relaxation(series.eps_D.values, series[name].values) for name in ("s_D", "anisotropy")}
     for name, fit in fits.items():
         print(f"{name}: {fit}")

@@ -15,7 +15,7 @@ STRAINS = "0.000", "0.011", "0.042", "0.091"  # of the slides, as far as the run
 
 def main(file, figure):
     """Save the picture; return the titles of its columns."""
-    kept = ag.open(file)["snapshots"]
+    kept = ag.open(file, holds="snapshots/start")["snapshots"]
     names = {"0.000": "start"} | {strain: f"eps_zz-{strain}" for strain in STRAINS[1:]}
     shown = {strain: read_snapshot(kept[name]) for strain, name in names.items() if name in kept.children}
     titles = [rf"$\varepsilon_{{zz}}$ = {100 * float(strain):.1f} %" for strain in shown]

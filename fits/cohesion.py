@@ -56,7 +56,7 @@ def beside(value, error, slide, within):
 
 def main(file=DATA, figure=None):
     """Print the tables, save the picture if a file is named; return {kc/k2: (phi in degrees, c), each with its error} and c0."""
-    data = ag.open(file)
+    data = ag.open(file, holds="p100/series")
     tests = {int(name[1:]): peaks(data, name) for name in data.children if "-" not in name}
     ratios = [float(kc) / K2 for kc in next(iter(tests.values())).contact_kc]
     by_ratio = {ratio: {p: found.sel(contact_kc=ratio * K2).values for p, found in tests.items()} for ratio in ratios}

@@ -27,7 +27,7 @@ def haff_time(time, energy):
 
 def main(file=DATA, figure=None):
     """Print the table, save the picture if a file is named; return {kc/k2: (fragments, largest) at the end, means over seeds}."""
-    series = ag.open(file)["gases/series"].to_dataset()
+    series = ag.open(file, holds="gases/series")["gases/series"].to_dataset()
     grains = float(series.fragments.isel(sample=0).max())
     print(f"{grains:g} grains, {series.sizes['seed']} seeds; at the end of {float(series.time.max()):.2g} s:")
     print("kc/k2   fragments   largest   mean size   contacts a grain   E_kin/E_0   Haff's tau [s] (rms of sqrt(E_0/E))")

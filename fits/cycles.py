@@ -33,7 +33,7 @@ def ratcheting(eps_V, samples):
 
 def main(file=DATA, figure=None):
     """Print the comparison, save the curves if a file is named; return (LawFit, {"grains", "model": eps_V a cycle})."""
-    data = ag.open(file)
+    data = ag.open(file, holds="reversal/series")
     scene, strain, stress, volume = mean_over_seeds(data, "reversal")
     p, samples = float(scene["pressure"]), scene["samples"]
     start = {"sigma_xx": p, "sigma_zz": stress[0]}

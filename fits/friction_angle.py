@@ -37,7 +37,7 @@ def error_of(values):
 
 def main(file=DATA, figure=None):
     """Print the tables, save the picture if a file is named; return {mu: FitResult of phi and c}."""
-    data = ag.open(file)
+    data = ag.open(file, holds="p100/series")
     tests = {int(name[1:]): data[f"{name}/series"].to_dataset() for name in data.children if "-" not in name}
     peaks = {p: ag.fit.peak(series.eps_zz, series.sigma_zz).value for p, series in tests.items()}  # (mu, seed)
     friction = next(iter(tests.values())).friction_mu.values

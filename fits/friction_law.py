@@ -12,7 +12,7 @@ LARGEST = 0.2  # the linear law is not meant for faster flow
 
 def main(path):
     """Print the fits and the points; return the FitResult of mu(I)."""
-    data = ag.open(path)["steady"].to_dataset()
+    data = ag.open(path, holds="steady")["steady"].to_dataset()
     data = data.isel(test=data.inertial_number.values < LARGEST)
     fit = ag.fit.mu_of_I(data.inertial_number.values, data.stress_ratio.values, data.stress_ratio_error.values)
     print(fit)

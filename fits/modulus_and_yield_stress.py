@@ -41,7 +41,7 @@ def spread(values):
 
 def main(file=DATA, figure=None):
     """Print the table, save the curves if a file is named; return {(sweep, value that was varied): (slopes, peaks)} over seeds."""
-    data = ag.open(file)
+    data = ag.open(file, holds="p100/series")
     names = [name for name in data.children if "-" not in name]
     varied = next(dim for dim in VARIED if dim in data[f"{names[0]}/series"].dims)
     print(f"slope of sigma_zz up to {INITIAL:.1%} of vertical strain, and peak of its moving average over 0.4 % strain, in N/m")

@@ -19,7 +19,7 @@ SHOWN = 5  # values whose circles are drawn; more would hide each other
 
 def main(file=DATA, figure=None):
     """Print phi and c of each value that was varied, save the circles if a file is named; return {value: FitResult}."""
-    data = ag.open(file)
+    data = ag.open(file, holds="p100/series")
     tests = {int(name[1:]): data[f"{name}/series"].to_dataset() for name in data.children if "-" not in name}
     varied = next(dim for dim in VARIED if dim in next(iter(tests.values())).dims)
     peaks = np.array([ag.fit.peak(series.eps_zz, series.sigma_zz).value for series in tests.values()])  # (pressure, value, seed)

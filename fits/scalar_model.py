@@ -61,7 +61,7 @@ def between(p, fits):
 
 def main(folder=DATA, figure=None):
     """Print parameters and misfits, save the curves if a file is named; return ({p: LawFit}, {unseen p: {column: relative rms}})."""
-    friction = ag.open(Path(folder) / "biaxial_friction.h5")
+    friction = ag.open(Path(folder) / "biaxial_friction.h5", holds="p100/series")
     seen = {p: friction[f"p{p}/series"].to_dataset().sel(friction_mu=MU) for p in FITTED}
     curves = {p: curve(p, series) for p, series in seen.items()}
     fits = {p: ag.fit.calibrate("scalar", [one]) for p, one in curves.items()}

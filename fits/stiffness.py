@@ -24,7 +24,7 @@ K2 = 1e5  # N/m
 
 def main(path=DATA, figure=None):
     """Print the tables, save the figure if a file is named; return {name: exponent and its error} of the pressure."""
-    tree = ag.open(path)
+    tree = ag.open(path, holds="smooth_path")
     data = {name: tree[name].to_dataset().load() for name in tree.children}
     for title, name in PATHS.items():
         for p in data[name].pressure.values:

@@ -46,7 +46,7 @@ def proportional(x, y):
 
 def main(file=DATA, figure=None):
     """Print tables and fits, save the picture if a file is named; return the strengths and {test: (a, error)}."""
-    found = strengths(ag.open(file))
+    found = strengths(ag.open(file, holds="tablets/series"))
     mean, error = mean_and_error(found)
     factor = np.array([macro_cohesion(1.0, K1, K2, float(kc)) for kc in found.contact_kc])
     scale = factor[:, None] * found.pressing_pressure.values

@@ -19,7 +19,7 @@ WHOLE = 0.8  # share of the mass in the largest fragment, above which a tablet h
 
 def main(file=DATA, figure=None):
     """Print the table, save the picture if a file is named; return {pressure: largest fragment over all in the end, (seed,)}."""
-    series = ag.open(file)["tablets/series"].to_dataset()
+    series = ag.open(file, holds="tablets/series")["tablets/series"].to_dataset()
     last = series.isel(sample=slice(int((1 - LAST) * series.sizes["sample"]), None)).mean("sample")
     print(f"{series.sizes['seed']} seeds; in the last {LAST:.0%} of {float(series.time.max()):.2g} s:")
     print("p [N/m]   held together   largest fragment / all   fragments   most fragments at any time   width / width at the start")

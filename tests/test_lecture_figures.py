@@ -100,6 +100,14 @@ def test_cycles(figure, capsys):
     assert np.abs(moved["grains"]).max() < 1e-3
 
 
+@pytest.mark.parametrize("name", ["cohesion", "mohr_circles", "friction_angle", "cycles", "stiffness", "tablet_vibration"])
+def test_a_file_of_another_study_is_told_in_one_line(name):
+    with pytest.raises(
+        ag.InputError, match=r"cohesive_gas.h5: has no group \w+(/series)?, so it was made for something else; it has gases"
+    ):
+        script(name).main(FITS / "data" / "cohesive_gas.h5")
+
+
 def test_what_holds_no_data_is_told(tmp_path):
     with pytest.raises(ag.InputError, match=r"none of biaxial_friction.h5, biaxial_pressure.h5"):
         script("evolution").main(tmp_path)

@@ -82,12 +82,13 @@ class Results(xr.DataTree):
         return frames({name: read_snapshot(node) for name, node in group.children.items()})
 
 
-def open(path):
+def open(path, holds=None):
     """A results file as a Results, an xarray.DataTree, read into memory.
 
-    Raises InputError, one line naming file and reason, if it is no results file, or is not as it was written. No other file is touched,
-    whatever it holds. Files without a good seal never reach the HDF5 library; this library has had faults that a file forged with a good
-    seal could use, so open results of people whom you do not trust in a sandbox only.
+    `holds`: a group that it must have, such as "series" or "p100/cases", so that a file of another kind is told of here.
+    Raises InputError, one line naming file and reason, if it is no results file, is not as it was written, or has no such group. No other
+    file is touched, whatever it holds. Files without a good seal never reach the HDF5 library; this library has had faults that a file
+    forged with a good seal could use, so open results of people whom you do not trust in a sandbox only.
     """
     check_no_folder(path, "results.h5")
     content = read_whole(path)
@@ -96,10 +97,12 @@ def open(path):
     if content[-DIGITS:] != seal(content):
         raise InputError(f"{path}: was damaged or changed by hand, it does not have the SHA-256 that it carries; {ANYWAY}")
     try:
-        datasets = read_tree(content)
-        return Results.from_dict(datasets)
+        results = Results.from_dict(read_tree(content))
     except (OSError, ValueError, LookupError, TypeError, RuntimeError, ArithmeticError, AttributeError, MemoryError) as error:
         raise InputError(f"{path}: is no results file, though it has the seal of one: {' '.join(str(error).split())}") from None
+    if holds is not None and holds not in {group.lstrip("/") for group in results.groups}:
+        raise InputError(f"{path}: has no group {holds}, so it was made for something else; it has {', '.join(results.children)}")
+    return results
 
 
 def _without_seal(content):
