@@ -20,7 +20,7 @@ from anisogran.runs.lock import is_locked
 from anisogran.scenes import changed
 from anisogran.sweeps.folder import fraction_of
 
-TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\ngrains = 60\nstrain = 0.6\ndiscard = 0.05\nframes = 0\n[quick]\nstrain = 0.55\n'
+TEXT = 'kind = "simple_shear"\ninertial_number = 0.2\nn = 60\nstrain = 0.6\ndiscard = 0.05\nframes = 0\n[quick]\nstrain = 0.55\n'
 WAIT = 60.0  # s, for a machine that is busy
 LONG = ("--set", "strain=8")  # work enough to be killed in, little enough to be done again
 ENDLESS = ("--set", "strain=80")  # what is interrupted for good: however busy the machine, it is still at work

@@ -22,7 +22,7 @@ from test_simulation import BOUNDARIES
 
 from anisogran import whole_file
 from anisogran.dem import Box, Grains, Linear, Simulation, checkpoint
-from anisogran.dem.checkpoint import inventory
+from anisogran.dem.checkpoint import FORMAT, inventory
 from anisogran.dem.interrupts import interrupts_deferred
 from anisogran.dem.sealed import previous_of, write_sealed
 from anisogran.outcome import InputError, Interrupted, RunFailed
@@ -377,7 +377,7 @@ def test_a_hostile_file_is_refused(rng, tmp_path):
         ({"state.body.rows": good["state.body.rows"].astype(np.float32)}, "body.rows has shape"),
         ({"state.more": np.zeros(2)}, "does not fit its own arguments: more is in the one but not in the other"),
         ({"text": text.replace('"movable": 20', '"movable": 9000')}, "movable = 9000, but its own arguments make 20"),
-        ({"text": text.replace('"format": 2', '"format": 1')}, "has format 1, and format 2 is read"),
+        ({"text": text.replace(f'"format": {FORMAT}', '"format": 1')}, f"has format 1, and format {FORMAT} is read"),
         ({"text": text.replace('"Luding"', '"Simulation"')}, "there is no record dem.Simulation"),
         ({"text": text.replace('"Luding"', '"Friction"')}, "is no checkpoint of a simulation"),
         ({"text": text.replace('"k1": 50000.0', '"k1": -1.0')}, "k1 = -1 must be above 0"),

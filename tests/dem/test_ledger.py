@@ -67,17 +67,6 @@ def test_sliding_loses_to_friction_and_drag_to_drag():
     t = flying.time
     assert flying.energy()["dissipated_drag"] == pytest.approx(25.0 * (1 - math.exp(-2 * 5.0 / 2.0 * t)), rel=2e-3)  # first order
 
-    disc = Grains([[0.0, 0.0]], [0.5], mass=[2.0], spin=[8.0])
-    turning = Simulation(disc, Linear(1e4), friction=Friction(2e3, 0.5), drag=5.0, ledger=True)
-    turning.run(1000)
-    decay = math.exp(-5.0 / 2.0 * turning.time)
-    assert turning.spin[0] == pytest.approx(8.0 * decay, rel=1e-3)
-    inertia = disc.inertia_factor * 2.0 * 0.5**2
-    assert turning.energy()["dissipated_drag"] == pytest.approx(0.5 * inertia * 8.0**2 * (1 - decay**2), rel=2e-3)
-    smooth = Simulation(disc, Linear(1e4), drag=5.0, ledger=True)  # without friction grains do not turn: nothing is taken
-    smooth.run(1000)
-    assert smooth.energy()["dissipated_drag"] == 0.0
-
 
 @pytest.mark.parametrize("name", BOUNDARIES)
 def test_the_book_balances_to_second_order(name, rng):

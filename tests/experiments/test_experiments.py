@@ -356,7 +356,7 @@ def test_no_state_passes_the_gate_but_equilibrium():
     force = np.array([[3.0, 4.0]])  # f^2/(2 k) = 2.5 J
 
     def is_over(kinetic, error, force=force, done=3):
-        grains = SimpleNamespace(snapshot=lambda: SimpleNamespace(force=force), kinetic_energy=lambda: kinetic)
+        grains = SimpleNamespace(snapshot=lambda: SimpleNamespace(force=force), kinetic_energy=lambda rotation: kinetic)
         stage = Stage("relax", 10 * np.arange(1, 4), gate=equilibrium(5.0, lambda simulation: error))
         return stage.is_over(grains, done)
 

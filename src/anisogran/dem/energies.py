@@ -6,11 +6,11 @@ from anisogran.dem.ledger import BOUNDARY, SUMS, stored_in_contacts
 from anisogran.dem.rows import INVERSE_INERTIA, INVERSE_MASS, SPIN, VX, VY
 
 
-def kinetic_energy(state):
-    """Kinetic energy of the movable grains in J, spin included where it takes part."""
+def kinetic_energy(state, rotation=True):
+    """Kinetic energy of the movable grains in J, with `rotation` that of the spins too, where they take part."""
     rows = state.body.rows[: state.movable]
     energy = 0.5 * np.sum((rows[:, VX] ** 2 + rows[:, VY] ** 2) / rows[:, INVERSE_MASS])
-    if state.spin is not None:
+    if rotation and state.spin is not None:
         energy += 0.5 * np.sum(rows[:, SPIN] ** 2 / rows[:, INVERSE_INERTIA])
     return float(energy)
 

@@ -74,4 +74,4 @@ def add_all_forces(
     add_wall_forces(boundary, body, spin, wall_list, normal, wall_friction, largest, spring, dt)
     add_pair_forces(body, pairs, memory, normal, friction, lattice(boundary), stress_sums(boundary), ledger, out, dt)
     if ledger is not None:
-        account_grains(body.rows, body.forces, spin, movable, drag, ledger, dt)
+        account_grains(body.rows, body.forces, movable, drag, ledger, dt)

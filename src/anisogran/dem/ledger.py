@@ -11,24 +11,7 @@ from anisogran.compiled import kernel, subkernel
 from anisogran.dem.boundaries import lattice, touch
 from anisogran.dem.laws import normal_force, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import BLOCK, direction, pair_size, separation, slip_velocity
-from anisogran.dem.rows import (
-    DIFFERENCE_RADIUS,
-    DIFFERENCE_SPIN,
-    DU,
-    DV,
-    DX,
-    DY,
-    FX,
-    FY,
-    INVERSE_INERTIA,
-    INVERSE_MASS,
-    SPIN,
-    SUM_SPIN,
-    TORQUE,
-    VX,
-    VY,
-    pair_columns,
-)  # fmt: skip
+from anisogran.dem.rows import DIFFERENCE_RADIUS, DIFFERENCE_SPIN, DU, DV, DX, DY, FX, FY, SPIN, SUM_SPIN, TORQUE, VX, VY, pair_columns
 from anisogran.dem.specialisation import block, unaliased
 from anisogran.dem.walls import wall_slip
 
@@ -179,14 +162,11 @@ def account_walls(boundary, body, spin, wall_list, normal, friction, largest, sp
 
 
 @subkernel
-def account_grains(rows, forces, spin, movable, drag, sums, dt):
+def account_grains(rows, forces, movable, drag, sums, dt):
     """After all forces: what drag takes, and the work that driven grains and the lattice do on the free grains."""
     if drag is not None:
         for i in range(movable):
-            square = rows[i, VX] ** 2 + rows[i, VY] ** 2
-            if spin is not None:
-                square += rows[i, INVERSE_MASS] / rows[i, INVERSE_INERTIA] * rows[i, SPIN] ** 2
-            sums[DRAG] += drag * square * dt
+            sums[DRAG] += drag * (rows[i, VX] ** 2 + rows[i, VY] ** 2) * dt
     for i in range(movable, rows.shape[0]):
         sums[POWER] -= forces[i, FX] * rows[i, VX] + forces[i, FY] * rows[i, VY] + forces[i, TORQUE] * rows[i, SPIN]
     sums[BOUNDARY] += 0.5 * (sums[POWER_BEFORE] + sums[POWER]) * dt

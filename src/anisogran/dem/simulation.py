@@ -25,8 +25,8 @@ class Simulation:
     normal: Linear or Luding; friction: Friction between grains, or None; rolling: None (discs have no rolling resistance);
     gravity: (g_x, g_y) in m/s2, or None; boundary: Open, Box, Ring or Periodic; dt in s, default a tenth of `longest_step`, which is a
     fiftieth of the shortest contact time unless a dashpot is strong, and never more than `longest_step` unless `allow_coarse_dt`.
-    wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, which takes velocity
-    and spin at the rate drag/mass, or None; `skin` in m is the reserve of the neighbour list; `ledger` asks for the book of energies, see
+    wall_friction: Friction at smooth walls and rings, or None; drag: background damping in kg/s for preparation, which takes velocity, not
+    spin, at the rate drag/mass, or None; `skin` in m is the reserve of the neighbour list; `ledger` asks for the book of energies, see
     `energy`. An absent effect is not compiled and holds no memory.
     Driven grains move on with the velocity and the spin they are given, unless they belong to a ring or are glued to a wall of the box.
     `predecessor` and `restored` are given by `next_stage` and `load`.
@@ -283,9 +283,9 @@ class Simulation:
         """
         return energies(self._state)
 
-    def kinetic_energy(self):
-        """Kinetic energy of the movable grains in J, spin included where it takes part."""
-        return kinetic_energy(self._state)
+    def kinetic_energy(self, rotation=True):
+        """Kinetic energy of the movable grains in J, with `rotation` that of the spins too, where they take part."""
+        return kinetic_energy(self._state, rotation)
 
     def coordination_number(self):
         """Mean number of contacts of a movable grain, those with walls and driven grains included; 0 without contacts."""

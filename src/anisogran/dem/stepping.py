@@ -69,8 +69,7 @@ class Counters(NamedTuple):
 
 @subkernel
 def kick_and_drift(rows, forces, spin, gravity, drag, movable, before, after, dt):
-    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero. Spins are kicked alike:
-    drag takes them at the same rate as velocities, drag/mass.
+    """Two kicks in a row, of lengths `before` and `after`, then a drift of dt; any of the three may be zero. Spins are kicked alike.
 
     After a drift the forces are of no use any more: they are cleared here, where they are at hand, for the next sum.
     """
@@ -99,14 +98,8 @@ def kick_and_drift(rows, forces, spin, gravity, drag, movable, before, after, dt
         rows[i, Y] += dt * v
         if spin is not None:
             acceleration = forces[i, TORQUE] * rows[i, INVERSE_INERTIA]
-            w = rows[i, SPIN]
-            if drag is not None:
-                w += before * (acceleration - drag * inverse * w)
-                w += after * (acceleration - drag * inverse * w)
-            else:
-                w += before * acceleration
-                w += after * acceleration
-            rows[i, SPIN] = w
+            w = rows[i, SPIN] + before * acceleration
+            rows[i, SPIN] = w + after * acceleration
         if dt > 0.0:
             for k in range(4):
                 forces[i, k] = 0.0

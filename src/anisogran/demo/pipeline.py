@@ -32,7 +32,7 @@ class DemoScene:
     seed: int = 1
     biaxial: Biaxial = field(
         default_factory=lambda: Biaxial(
-            grains=1000, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), wall_mass=1e-3
+            n=1000, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), wall_mass=1e-3
         )
     )
     ring: RingShear = field(default_factory=lambda: RingShear(travel=160.0))
@@ -46,7 +46,7 @@ class DemoScene:
         return cls(
             seed=seed,
             biaxial=Biaxial(
-                grains=150, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.06,
+                n=150, friction=Friction(stiffness=2e4, mu=0.5), contact=Luding(k1=5e4, k2=1e5, damping=0.1), strain=0.06,
                 duration=0.02, wall_mass=2e-5, wall_damping=0.02, samples=100,
             ),
             ring=RingShear(n=250, inner_radius=4.0, travel=26.0, discard=2.0, block=3.0),

@@ -119,7 +119,7 @@ class Tablet(Experiment):
         """A gate: grains without adhesion may have no contact, and no energy but that of motion, so there is a scale from outside."""
         volume = float(np.pi * np.sum(simulation.grains.radius**2))
         scale = max(simulation.energy()["elastic"], self.pressure**2 * volume / self.contact.stiffest)
-        kinetic = simulation.kinetic_energy()
+        kinetic = simulation.kinetic_energy(rotation=False)
         return "" if kinetic < AT_REST * scale else f"E_kin = {kinetic:.2g} J (wanted < {AT_REST * scale:.2g} J)"
 
     def tested(self, free):
