@@ -160,7 +160,7 @@ def test_code_of_the_readme_runs(tmp_path, monkeypatch):
     assert len(blocks) == 3
     for block in blocks:
         exec(block, names)
-    assert names["fit"].verdict
+    assert 0.3 < names["fit"].values["s_max"] < 0.55  # of 150 grains; whether it may be trusted depends on the last bits
     assert names["sim"].step == 1000
     assert (tmp_path / "cohesion.h5").exists()
 
