@@ -172,7 +172,7 @@ def test_a_signal_saves_within_half_a_second(tmp_path):
         assert re.search(rf"anisogran: interrupted in stage shear, \d+% done; {folder} holds the run", err)
         state = state_of(folder)
         assert state["state"] == "interrupted"
-        assert state["grain_steps"] > before
+        assert state["grain_steps"] >= before  # nothing lost; a resumed run may be told to stop before its first step
         seconds.append((folder / "state.json").stat().st_mtime - clock)
         assert open_results(folder / "results.h5")["series"].sizes["time"] > 0
     assert not is_locked(folder)
