@@ -43,11 +43,6 @@ def yield_lines(found):
     return np.array([(np.degrees(line.phi), line.c) for line in lines]).T
 
 
-def mean_and_error(values):
-    """Over seeds."""
-    return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
-
-
 def beside(value, error, slide, within):
     """A cell of a table: value, error, the slide's number, and whether it lies outside the tolerance."""
     told = "" if slide is None else f" ({slide:4d}{'' if abs(value - slide) <= within else ' NOT'})"
@@ -64,11 +59,11 @@ def main(file=DATA, figure=None):
     print("kc/k2  " + "".join(f"p = {p:<22g}" for p in tests) + "phi [deg]        c [N/m]")
     lines = {}
     for ratio, found in by_ratio.items():
-        phi, c = lines[ratio] = [mean_and_error(row) for row in yield_lines(found)]
+        phi, c = lines[ratio] = [ag.fit.mean_and_error(row) for row in yield_lines(found)]
         cells = []
         for p, values in found.items():
             slide = PEAKS.get(ratio, {}).get(p)
-            cells.append(beside(*mean_and_error(values), slide, WITHIN.get(p, 0) * (slide or 0)))
+            cells.append(beside(*ag.fit.mean_and_error(values), slide, WITHIN.get(p, 0) * (slide or 0)))
         cohesion = beside(*c, COHESION.get(ratio), C_WITHIN)
         print(f"{ratio:5.1f}  {'  '.join(f'{cell:24}' for cell in cells)}  {phi[0]:5.1f} +- {phi[1]:3.1f}  {cohesion}")
     c0, error = through_the_origin(lines)
@@ -113,8 +108,8 @@ def first_pressures(data):
     result = {}
     for first in next(iter(found.values())).overconsolidation.values:
         phi, c = yield_lines({p: values.sel(overconsolidation=first).values for p, values in found.items()})
-        result[str(first)] = mean_and_error(c)
-        told = "c = {:5.1f} +- {:.1f} N/m, phi = {:.1f} +- {:.1f} degrees".format(*mean_and_error(c), *mean_and_error(phi))
+        result[str(first)] = ag.fit.mean_and_error(c)
+        told = "c = {:5.1f} +- {:.1f} N/m, phi = {:.1f} +- {:.1f} degrees".format(*ag.fit.mean_and_error(c), *ag.fit.mean_and_error(phi))
         print(f"  {first!s:>6} N/m: {told}")
     return result
 

@@ -75,8 +75,8 @@ def cell(values, digits):
     """Mean and standard error."""
     if not values.size:
         return f"{'-':^19}"
-    error = np.std(values, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
-    return f"{np.mean(values):8.{digits}f} +- {error:<7.{digits}f}"
+    mean, error = ag.fit.mean_and_error(values)
+    return f"{mean:8.{digits}f} +- {error:<7.{digits}f}"
 
 
 def main(folder=DATA, figure=None):
@@ -124,10 +124,8 @@ def draw(figure, result):
 
 def row(points, name, which):
     """(x, mean, standard error) of s_max or beta over the points where there is one."""
-    known = [(x, values[name][which]) for x, values in points if values[name].size]
-    mean = [values.mean() for _, values in known]
-    error = [values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan for _, values in known]
-    return [x for x, _ in known], mean, error
+    known = [(x, *ag.fit.mean_and_error(values[name][which])) for x, values in points if values[name].size]
+    return tuple(np.reshape(known, (-1, 3)).T)
 
 
 if __name__ == "__main__":

@@ -30,11 +30,6 @@ def beside(value, error, slide):
     return f"{value:5.1f} +- {error:4.1f}{told:10}"
 
 
-def error_of(values):
-    """Standard error over the last axis; nan of one seed."""
-    return np.std(values, axis=-1, ddof=1) / np.sqrt(values.shape[-1]) if values.shape[-1] > 1 else np.full(values.shape[:-1], np.nan)
-
-
 def main(file=DATA, figure=None):
     """Print the tables, save the picture if a file is named; return {mu: FitResult of phi and c}."""
     data = ag.open(file, holds="p100/series")
@@ -49,7 +44,7 @@ def main(file=DATA, figure=None):
         line = lines[float(mu)] = ag.fit.mohr_coulomb(pressure, np.concatenate([values[k] for values in peaks.values()]))
         phi, error = np.degrees(line.values["phi"]), np.degrees(line.errors["phi"])
         totals = [total_angle(p, values[k]) for p, values in peaks.items()]
-        cells = "".join(beside(angle.mean(), error_of(angle), TOTAL.get(mu)) for angle in totals)
+        cells = "".join(beside(*ag.fit.mean_and_error(angle), TOTAL.get(mu)) for angle in totals)
         print(f"{mu:5.2f}  {beside(phi, error, INTERNAL.get(mu))}{line.values['c']:6.1f} +- {line.errors['c']:4.1f}   {cells}")
     drags(data)
     if figure is not None:
@@ -69,7 +64,7 @@ def drags(data):
         return
     print("peak of sigma_zz [N/m] without friction, by the background damping of every grain while loading (lecture: 183 and 798)")
     for drag in next(iter(found.values())):
-        cells = [f"p = {p}: {peaks[drag].mean():6.1f} +- {error_of(peaks[drag]):4.1f}" for p, peaks in found.items()]
+        cells = ["p = {}: {:6.1f} +- {:4.1f}".format(p, *ag.fit.mean_and_error(peaks[drag])) for p, peaks in found.items()]
         line = ag.fit.mohr_coulomb(*np.array([(p, value) for p, peaks in found.items() for value in peaks[drag]]).T)
         print(
             f"  {drag:5.3f} kg/s   {'   '.join(cells)}   phi = {np.degrees(line.values['phi']):.1f} degrees, c = {line.values['c']:.0f} N/m"
@@ -82,7 +77,7 @@ def draw(figure, lines, peaks, friction):
     points = {"internal": (friction, *angles[0])}
     for p, values in peaks.items():
         total = total_angle(p, values)
-        points[f"total, p = {p} N/m"] = friction, total.mean(axis=-1), error_of(total)
+        points[f"total, p = {p} N/m"] = friction, *ag.fit.mean_and_error(total)
     slide = {
         "lecture, internal": (list(INTERNAL), list(INTERNAL.values()), None),
         "lecture, total": (list(TOTAL), list(TOTAL.values()), None),

@@ -35,8 +35,8 @@ def mean_curve(series, points=300):
 
 def spread(values):
     """Mean and standard error over the last axis, as text."""
-    error = np.std(values, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
-    return f"{np.mean(values):10.4g} +- {error:<7.2g}"
+    mean, error = ag.fit.mean_and_error(values)
+    return f"{mean:10.4g} +- {error:<7.2g}"
 
 
 def main(file=DATA, figure=None):

@@ -68,8 +68,8 @@ def exponent(modulus):
 
 def told(values, scale=1e-3):
     """Mean +- standard error over the seeds."""
-    values = scale * values.transpose("seed").values
-    return f"{values.mean():7.2f}+-{values.std(ddof=1) / np.sqrt(values.size):4.2f}"
+    mean, error = ag.fit.mean_and_error(scale * values.transpose("seed").values)
+    return f"{mean:7.2f}+-{error:4.2f}"
 
 
 def print_path(title, data):

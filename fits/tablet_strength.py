@@ -31,12 +31,6 @@ def strengths(data):
     return series.sigma_zz.isel(sample=0).copy(data=found)
 
 
-def mean_and_error(found):
-    """Means and standard errors over seeds; the errors are NaN for a single one."""
-    count = found.sizes["seed"]
-    return found.mean("seed"), found.std("seed", ddof=1) / np.sqrt(count) if count > 1 else np.nan * found.isel(seed=0)
-
-
 def proportional(x, y):
     """Slope of y = a x by least squares, its standard error, and the root mean square of the residuals over that of y."""
     a = float(x @ y / (x @ x))
@@ -47,7 +41,7 @@ def proportional(x, y):
 def main(file=DATA, figure=None):
     """Print tables and fits, save the picture if a file is named; return the strengths and {test: (a, error)}."""
     found = strengths(ag.open(file, holds="tablets/series"))
-    mean, error = mean_and_error(found)
+    mean, error = (found.isel(seed=0).copy(data=values) for values in ag.fit.mean_and_error(found, found.get_axis_num("seed")))
     factor = np.array([macro_cohesion(1.0, K1, K2, float(kc)) for kc in found.contact_kc])
     scale = factor[:, None] * found.pressing_pressure.values
     laws = {}

@@ -16,6 +16,7 @@ from anisogran.fitting.observations import DataSet
 from anisogran.fitting.peak import Peak, peak
 from anisogran.fitting.probes import probed_moduli
 from anisogran.fitting.result import FitResult
+from anisogran.fitting.seed_mean import mean_and_error
 from anisogran.fitting.whole_curve import path_moduli
 from anisogran.fitting.yield_line import mohr_coulomb, mohr_coulomb_lines
 
@@ -35,6 +36,7 @@ __all__ = [
     "compared_B",
     "exponential_decay",
     "initial_moduli",
+    "mean_and_error",
     "mohr_coulomb",
     "mohr_coulomb_lines",
     "mu_of_I",
