@@ -17,7 +17,7 @@ from anisogran.comparison import (
     relative_l2,
     ring_flow,
 )
-from anisogran.continuum import LocalMuI, Nonlocal
+from anisogran.continuum import LocalMuI
 from anisogran.dem import Friction, Luding
 from anisogran.demo.biaxial_law import biaxial_law
 from anisogran.demo.grains import demo_jobs, run_grains
@@ -87,8 +87,8 @@ def run_demo(scene, progress):
     friction = fitting.mu_of_I(shear.inertial_number.values, shear.stress_ratio.values, shear.stress_ratio_error.values)
     mu_s, b = friction.values["mu_s"], friction.values["b"]
 
-    amplitude, amplitude_status = fitted_amplitude(ring, mu_s, b)
-    laws = {"local": LocalMuI(mu_s=mu_s, b=b), "nonlocal": Nonlocal(mu_s=mu_s, b=b, amplitude=amplitude)}
+    calibration = fitted_amplitude(ring, mu_s, b)
+    laws = {"local": LocalMuI(mu_s=mu_s, b=b), "nonlocal": calibration.law}
     flows = {name: ring_flow(ring, constitutive).solve() for name, constitutive in laws.items()}
     comparisons = [compare(ring, flow, name) for name, flow in flows.items()]
     local, nonlocal_ = comparisons
@@ -118,7 +118,8 @@ def run_demo(scene, progress):
         "b": b,
         "b_err": friction.errors["b"],
         "mu_source": "periodic simple shear",
-        "nonlocal_amplitude": amplitude,
+        "nonlocal_amplitude": calibration.values["amplitude"],
+        "nonlocal_amplitude_err": calibration.errors["amplitude"],
         "decay_length_dem": local.decay_length_dem,
         "decay_length_dem_err": decay_length_error(ring),
         "decay_length_continuum": nonlocal_.decay_length_continuum,
@@ -137,13 +138,13 @@ def run_demo(scene, progress):
         "grain_steps": sum(int(run.provenance["grain_steps"]) for run in (ring, biaxial, *tests)),
         "seed": scene.seed,
     }
-    reasons = [f"{name}: {text}" for name, text in _warnings(ring, biaxial, tests, law, friction, flows, amplitude_status)]
+    reasons = [f"{name}: {text}" for name, text in _warnings(ring, biaxial, tests, law, friction, flows, calibration)]
     return Findings(scene, biaxial, ring, shear, law, friction, flows, comparisons, exponential, numbers, reasons)
 
 
-def _warnings(ring, biaxial, tests, law, friction, flows, amplitude_status):
+def _warnings(ring, biaxial, tests, law, friction, flows, calibration):
     """(where, sentence) for everything that ended less than well."""
-    statuses = {"ring shear cell": ring.status, "biaxial box": biaxial.status, "nonlocal amplitude": amplitude_status}
+    statuses = {"ring shear cell": ring.status, "biaxial box": biaxial.status, "nonlocal amplitude": calibration.status}
     statuses |= {f"simple shear, I = {run.scene.inertial_number:g}": run.status for run in tests}
     statuses |= {f"continuum, {name}": flow.status for name, flow in flows.items()}
     for name, status in statuses.items():

@@ -186,8 +186,11 @@ class RingShear(Experiment):
 
     def nominal_inertial_number(self):
         """Next to the inner ring, if the flow were one mean diameter wide."""
-        mass = float(sphere_mass(self.radii()[0], self.density).mean())
-        return self.wall_speed / self.mean_diameter * math.sqrt(mass / self.pressure)
+        return self.wall_speed / self.mean_diameter * math.sqrt(self.mean_mass() / self.pressure)
+
+    def mean_mass(self):
+        """Of a free grain, kg."""
+        return float(sphere_mass(self.radii()[0], self.density).mean())
 
     def outer_radius(self, simulation):
         """Radius of the circle through the tops of the outer wreath."""

@@ -10,7 +10,7 @@ n = 150
 """
 
 from anisogran.experiments.kinds import experiment_of
-from anisogran.files.toml_file import read_toml
+from anisogran.files.toml_file import parsed_toml, read_toml, reason_of
 from anisogran.outcome import InputError, shown
 from anisogran.scenes.changes import nested, parsed_override
 from anisogran.scenes.tables import Place, merged, scene_of, tables_of
@@ -42,3 +42,13 @@ def read_scene(path, overrides=(), quick=False):
     for text, option in zip(overrides, options, strict=True):
         tables = merged(experiment, tables, nested(*parsed_override(text, option)), Place(option), defaults)
     return scene_of(experiment, tables, f"{where} with {' '.join(options)}")
+
+
+def scene_from(text, where):
+    """The Experiment of a text that `scene_text` has made. Raises InputError."""
+    try:
+        content = parsed_toml(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{where}: the scene is no TOML ({reason_of(error)})") from None
+    experiment = experiment_of(content.pop("kind", None), f"{where}: kind")
+    return scene_of(experiment, merged(experiment, {}, content, Place(where)), where)

@@ -5,8 +5,6 @@ import math
 import re
 
 from anisogran.experiments.experiment import Experiment
-from anisogran.experiments.kinds import experiment_of
-from anisogran.files.toml_file import parsed_toml, reason_of
 from anisogran.outcome import InputError, shown
 from anisogran.scenes.changes import nested, parsed_override
 from anisogran.scenes.tables import Place, merged, scene_of, tables_of
@@ -118,13 +116,3 @@ def case_name(case, taken):
     if NAME.fullmatch(name) and name not in taken:
         return name
     return next(name for name in (f"case-{k:04d}" for k in itertools.count(1)) if name not in taken)
-
-
-def scene_from(text, where):
-    """The Experiment of a text that `scene_text` has made. Raises InputError."""
-    try:
-        content = parsed_toml(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{where}: the scene is no TOML ({reason_of(error)})") from None
-    experiment = experiment_of(content.pop("kind", None), f"{where}: kind")
-    return scene_of(experiment, merged(experiment, {}, content, Place(where)), where)

@@ -10,14 +10,14 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from anisogran.experiments.scene_file import read_scene
+from anisogran.experiments.scene_file import read_scene, scene_from
 from anisogran.files import write_json, write_text
 from anisogran.outcome import InputError
 from anisogran.runs.folder import made_folder, state_of
 from anisogran.runs.session import differing, plain_scene
 from anisogran.scenes.changes import changed
 from anisogran.scenes.writing import scene_text
-from anisogran.sweeps.cases import NAME, case_name, case_scenes, scene_from, text_of
+from anisogran.sweeps.cases import NAME, case_name, case_scenes, text_of
 
 OF_A_BEGINNING = {"lock", "sweep.json.tmp"}  # what a sweep that was killed at once may have left
 

@@ -1,55 +1,26 @@
 """The comparison on a made-up cell whose velocity is the continuum's own: then nothing may differ."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
+from made_up import LAW, made_up_run
 
 from anisogran import InputError, RingShear, compare
+from anisogran import open as open_results
 from anisogran.comparison import (
     best_exponential,
     decay_length,
     decay_length_error,
     equilibrium,
-    fitted_amplitude,
     log_rms,
     relative_l2,
     ring_flow,
 )
-from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
-
-LAW = Nonlocal(mu_s=0.28, b=1.1, amplitude=0.7)
-EDGES = np.arange(6.0, 15.0)
-
-
-def made_up_run(noise=0.0, seed=0):
-    """A run whose rings hold the nonlocal flow (with noise), in perfect stress equilibrium."""
-    rng = np.random.default_rng(seed)
-    scene = RingShear(travel=100.0, discard=20.0)
-    grain_mass = np.pi / 6
-    flow = RingFlow(6.0, 15.0, LAW, scene.wall_speed, 1.0, grain_mass=grain_mass).solve()
-    r = 0.5 * (EDGES[1:] + EDGES[:-1])
-    exact = flow.ring_average(EDGES).v_phi
-    blocks = xr.Dataset({"v_phi": (("block", "r"), exact * (1 + noise * rng.normal(size=(8, r.size))))}, coords={"r": r})
-    shear = 0.45 * 36.0 / r**2
-    stress = np.array([[1.0 + 0 * r, shear], [shear, 1.0 + 0 * r]])
-    profiles = xr.Dataset(
-        {
-            "v_phi": ("r", blocks.v_phi.values.mean(axis=0)),
-            "v_phi_error": ("r", 0.01 * exact),
-            "stress": (("i", "j", "r"), stress),
-        },
-        coords={"r": r, "depth": ("r", r - 6.0)},
-        attrs={"edges": EDGES},
-    )
-    time = np.linspace(0, 2500, 11)
-    steady = {"outer_radius": 15.0, "outer_pressure": 1.0, "wall_shear_stress": 0.45, "wall_pressure": 1.0}
-    transient = np.where(time > 20.0 / 0.04, 1.0, 1.7)  # the discarded travel over the speed: nothing of it may count
-    series = xr.Dataset({name: ("time", value * transient) for name, value in steady.items()}, coords={"time": time})
-    series["wall_pressure"] = ("time", np.full(11, 0.9))
-    snapshot = SimpleNamespace(mass=np.append(np.full(5, grain_mass), 99.0), free=np.arange(6) < 5)
-    return SimpleNamespace(scene=scene, profiles=profiles, blocks=blocks, series=series, snapshots={"end": snapshot})
+from anisogran.continuum import LocalMuI
+from anisogran.files import save_results
 
 
 def test_equal_flows_do_not_differ():
@@ -59,7 +30,7 @@ def test_equal_flows_do_not_differ():
     assert comparison.decay_length_continuum == pytest.approx(comparison.decay_length_dem, rel=1e-6)
     assert comparison.l2_noise == pytest.approx(0.01, rel=1e-6)
     assert comparison.log_rms < 1e-10
-    assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate"}
+    assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate", "inertial_number"}
     assert comparison.stress_ratio_wall_dem == pytest.approx(0.45 / 0.9)
 
 
@@ -80,15 +51,6 @@ def test_local_law_is_told_apart():
     assert relative_l2(table.v_phi.values, table.v_phi_dem.values, table.r.values) == pytest.approx(comparison.l2)
     assert comparison.stress_ratio_wall_continuum == flow.stress_ratio_wall
     assert np.isnan(comparison.decay_length_continuum)  # it stands still beyond its layer
-
-
-def test_amplitude_is_found_again():
-    amplitude, status = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b)
-    assert amplitude == pytest.approx(LAW.amplitude, rel=2e-3)  # the search stops at 1e-3 in its logarithm
-    assert status.level == "ok"
-    amplitude, status = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b, bounds=(0.1, 0.4))
-    assert status.level == "warned"
-    assert "lies at the bound" in str(status)
 
 
 def test_relative_l2_in_closed_form():
@@ -155,8 +117,8 @@ def test_error_of_the_decay_length_is_the_scatter_of_the_blocks():
     two = made_up_run()
     depth = two.profiles.depth.values
     two.profiles["v_phi"], two.profiles["v_phi_error"] = ("r", np.exp(-depth)), ("r", 1e-6 * np.exp(-depth))
-    two.blocks = xr.Dataset({"v_phi": (("block", "r"), [np.exp(-depth), np.exp(-depth / 1.2)])}, coords={"r": two.blocks.r})
-    assert decay_length_error(two) == pytest.approx(0.1, rel=1e-3)  # lengths 1.0 and 1.2: 0.2/sqrt(2)/sqrt(2)
+    blocks = xr.Dataset({"v_phi": (("block", "r"), [np.exp(-depth), np.exp(-depth / 1.2)])}, coords={"r": two.blocks.r})
+    assert decay_length_error(replace(two, blocks=blocks)) == pytest.approx(0.1, rel=1e-3)  # lengths 1.0 and 1.2: 0.2/sqrt(2)/sqrt(2)
     errors = [decay_length_error(made_up_run(noise=0.05, seed=seed)) for seed in range(10)]
     assert 0.002 < np.mean(errors) < 0.1
 
@@ -180,3 +142,19 @@ def test_a_flow_that_is_not_solved_is_refused():
     run = made_up_run()
     with pytest.raises(InputError, match=r"it must be what RingFlow\(...\).solve\(\) returns"):
         compare(run, ring_flow(run, LAW))
+
+
+def test_a_results_file_is_compared_like_the_run_that_left_it(tmp_path):
+    run = RingShear(n=250, inner_radius=4.0, travel=4.0, discard=1.0, block=1.0, seed=1).run()
+    flow = ring_flow(run, LAW).solve()
+    run.save(tmp_path / "ring.h5")
+    kept = open_results(tmp_path / "ring.h5")
+    assert ring_flow(kept, LAW) == ring_flow(run, LAW)
+    assert compare(kept, flow).l2 == compare(run, flow).l2
+    assert compare(kept, flow).reasons == ("the error bars of the grains come from 3 blocks only",)
+
+
+def test_a_results_file_of_something_else_is_refused(tmp_path):
+    save_results(tmp_path / "other.h5", {"steady": xr.Dataset({"mu": ("test", [0.3])})}, {})
+    with pytest.raises(InputError, match="compare: the results file is not that of a run; it has steady"):
+        compare(open_results(tmp_path / "other.h5"), ring_flow(made_up_run(), LAW).solve())

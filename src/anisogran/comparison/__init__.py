@@ -1,0 +1,24 @@
+"""The comparison of grains and continuum in the ring shear cell, and the prediction of runs that no parameter was fitted on."""
+
+from anisogran.comparison.calibration import Calibration, fitted_amplitude, fitted_wall
+from anisogran.comparison.measured import Measured, measured
+from anisogran.comparison.measures import (
+    best_exponential,
+    decay_length,
+    decay_length_error,
+    equilibrium,
+    exponential_fit,
+    log_rms,
+    near_l2,
+    relative_l2,
+    resolved,
+    ring_edges,
+)
+from anisogran.comparison.pairing import Comparison, compare, ring_flow, wall_stress_ratio
+from anisogran.comparison.prediction import RIVALS, Frozen, frozen, predictions
+
+__all__ = [
+    "RIVALS", "Calibration", "Comparison", "Frozen", "Measured", "best_exponential", "compare", "decay_length", "decay_length_error",
+    "equilibrium", "exponential_fit", "fitted_amplitude", "fitted_wall", "frozen", "log_rms", "measured", "near_l2", "predictions",
+    "relative_l2", "resolved", "ring_edges", "ring_flow", "wall_stress_ratio",
+]  # fmt: skip

@@ -1,0 +1,50 @@
+"""Parameters that a made-up ring was computed with are found again, with errors that its fluctuations deserve."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import LAW, made_up_run
+
+from anisogran.comparison import fitted_amplitude, fitted_wall
+from anisogran.continuum import Nonlocal
+
+WALLED = Nonlocal(LAW.mu_s, LAW.b, 0.7, wall=0.2)
+
+
+def test_amplitude_is_found_again():
+    found = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b)
+    assert found.values["amplitude"] == pytest.approx(LAW.amplitude, rel=2e-3)  # the search stops at 1e-3 in its logarithm
+    assert found.l2 < 2e-3
+    assert found.status.level == "ok"
+    found = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b, bounds=(0.1, 0.4))
+    assert found.status.level == "warned"
+    assert "the best nonlocal amplitude 0.4 lies at the bound" in str(found.status)
+
+
+def test_amplitude_and_wall_are_found_again_together():
+    found = fitted_wall(made_up_run(WALLED), LAW.mu_s, LAW.b)
+    assert found.values["amplitude"] == pytest.approx(0.7, rel=1e-4)  # the search stops at 1e-6 in its coordinates
+    assert found.values["wall"] == pytest.approx(0.2, rel=1e-3)
+    assert found.law == Nonlocal(LAW.mu_s, LAW.b, found.values["amplitude"], found.values["wall"])
+    assert found.l2 < 1e-5
+    assert found.status.level == "ok"
+
+
+def test_a_wall_that_is_not_there_is_found_to_be_none():
+    found = fitted_wall(made_up_run(), LAW.mu_s, LAW.b)
+    assert found.values["wall"] == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("fit", "law"), [(fitted_amplitude, LAW), (fitted_wall, WALLED)])
+def test_errors_are_the_scatter_of_repeated_fits(fit, law):
+    """Ten runs with other noise: the standard deviation of ten values is known to 24 %, so a factor of two either way holds."""
+    fits = [fit(made_up_run(law, noise=0.05, seed=seed), law.mu_s, law.b) for seed in range(10)]
+    for name in fits[0].values:
+        scatter = np.std([one.values[name] for one in fits], ddof=1)
+        assert 0.5 < np.mean([one.errors[name] for one in fits]) / scatter < 2.0
+
+
+def test_without_blocks_there_are_no_errors():
+    found = fitted_amplitude(replace(made_up_run(), blocks=None), LAW.mu_s, LAW.b)
+    assert np.isnan(found.errors["amplitude"])
