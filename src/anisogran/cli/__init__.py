@@ -3,6 +3,7 @@
 from anisogran.cli import (
     average_command,
     bench_command,
+    compare_command,
     cost_command,
     demo_command,
     element_command,
@@ -15,6 +16,6 @@ from anisogran.cli.application import app, main
 from anisogran.cli.folders import numbered_folder
 
 __all__ = [
-    "app", "average_command", "bench_command", "cost_command", "demo_command", "element_command", "fit_command", "main", "numbered_folder",
-    "run_command", "scene_commands", "sweep_commands",
+    "app", "average_command", "bench_command", "compare_command", "cost_command", "demo_command", "element_command", "fit_command", "main",
+    "numbered_folder", "run_command", "scene_commands", "sweep_commands",
 ]  # fmt: skip

@@ -78,8 +78,8 @@ def predictions(parameters, run):
     """What Frozen parameters say of a run, a Dataset over `rival` (and `r`).
 
     v_phi and v_phi_dem with its error; l2 over the rings nearer than 8 d to the inner one, l2_noise, l2_continuum (error of the solver),
-    log_rms over the resolved rings, stress_ratio_wall and that of the grains with its error. NaN where a rival says nothing. Raises
-    InputError and NotConverged as `compare` does.
+    log_rms over the resolved rings, stress_ratio_wall and that of the grains with its error. NaN where a rival says nothing. The attribute
+    `reasons` says what a reader must know of the error bars. Raises InputError and NotConverged as `compare` does.
     """
     run = measured(run, "predictions")
     profiles, speed = run.profiles, run.scene.wall_speed
@@ -109,4 +109,5 @@ def predictions(parameters, run):
             "stress_ratio_wall_dem_error": ((), ratio_error, {"units": "1", "long_name": "standard error of it"}),
         },
         {"rival": list(RIVALS), "r": profiles.r, "depth": profiles.depth},
+        {"reasons": "; ".join(one.reasons)},
     )

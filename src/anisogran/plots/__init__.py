@@ -11,7 +11,7 @@ from anisogran.plots.maps import field_map
 from anisogran.plots.moduli import moduli_figure
 from anisogran.plots.mohr_circles import mohr_circles_figure
 from anisogran.plots.panels import Panel, panels_figure
-from anisogran.plots.ring import ring_fields, velocity_comparison
+from anisogran.plots.ring import predictions_figure, ring_fields, velocity_comparison
 from anisogran.plots.snapshots import chain_figure, draw_packing, packings
 from anisogran.plots.stiffness import stiffness_figure
 from anisogran.plots.style import figure
@@ -36,6 +36,7 @@ __all__ = [
     "mohr_circles_figure",
     "packings",
     "panels_figure",
+    "predictions_figure",
     "ring_fields",
     "stiffness_figure",
     "velocity_comparison",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from anisogran.glossary import label
+from anisogran.plots.panels import Panel, panels_figure
 from anisogran.plots.style import COLOURS, figure
 
 
@@ -76,3 +77,18 @@ def velocity_comparison(profiles, comparisons, exponential, wall_speed):
     axes[0, 1].set(yscale="log", ylim=(0.3 * lowest, 1.5))
     axes[0, 0].legend(fontsize=8, frameon=False)
     return fig
+
+
+def predictions_figure(tables):
+    """A Figure of v_phi of grains and rivals over the depth, a logarithmic panel for each {title: Dataset of `comparison.predictions`}."""
+    panels = []
+    for title, table in tables.items():
+        depth = table.depth.values
+        dem = {"grains": (depth, table.v_phi_dem.values, table.v_phi_dem_error.values)}
+        lowest = 0.1 * np.min(table.v_phi_dem.values, initial=np.inf, where=table.v_phi_dem.values > 0)
+        curves = {
+            f"{name}, L2 = {float(table.l2.sel(rival=name)):.2g}": (depth, np.where(v > lowest, v, np.nan))
+            for name, v in zip(table.rival.values, table.v_phi.values, strict=True)
+        }
+        panels.append(Panel(f"depth {label('depth')}", label("v_phi"), curves, dem, title=title, log="y"))
+    return panels_figure(panels, columns=min(3, len(panels)))

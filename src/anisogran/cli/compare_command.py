@@ -1,0 +1,117 @@
+"""`anisogran compare`: rings of grains beside the continuum, with parameters that were fitted elsewhere."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from anisogran.cli.application import app
+from anisogran.cli.folders import output_folder
+from anisogran.outcome import InputError
+
+
+@app.command()
+def compare(
+    runs: Annotated[list[Path], typer.Argument(help="Results (.h5) or folders of ring shear runs, which are predicted.")],
+    calibrate: Annotated[
+        list[Path] | None, typer.Option(help="Run that the nonlocal parameters are fitted on, or runs that differ in the seed.")
+    ] = None,
+    friction: Annotated[Path | None, typer.Option(help="Homogeneous shear (.h5, data_generation/friction_law.py): mu_s and b.")] = None,
+    mu_s: Annotated[float | None, typer.Option(help="Static friction of the law mu_s + b I, instead of --friction.")] = None,
+    b: Annotated[float | None, typer.Option(help="Its slope.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for compare.h5 and compare.png; default: a new numbered folder.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="JSON file for the numbers.")] = None,
+    force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
+):
+    """Predicts ring shear runs by the local law, the nonlocal one and two base lines, with parameters from other runs only.
+
+    mu_s and b come from homogeneous shear, the rest from the runs of --calibrate; without it the first run is fitted, and told so.
+    """
+    if json_file is not None:
+        from anisogran.files.numbers import check_writable
+
+        check_writable(json_file, "--json ")
+    from anisogran.comparison import frozen, predictions
+
+    law = friction_law(friction, mu_s, b)
+    own = calibrate or runs[:1]
+    measured = {path: ring_run(path) for path in dict.fromkeys([*own, *runs])}
+    parameters = frozen([measured[path] for path in own], law["mu_s"], law["b"])
+    tables = {str(path): predictions(parameters, measured[path]) for path in runs}
+    folder = output_folder(out, "compare", force)
+    print(parameters_text(law, parameters, own))
+    for path, table in tables.items():
+        print(f"\n{path}{' (fitted on this very run)' if Path(path) in own else ''}\n{table_text(table)}")
+    from anisogran.files import save_results, write_json
+    from anisogran.plots import predictions_figure
+
+    told = plain_parameters(law, parameters, own)
+    groups = {f"run{k}": table.assign_attrs(file=path) for k, (path, table) in enumerate(tables.items(), 1)}
+    save_results(folder / "compare.h5", groups, {"parameters": str(told)})
+    predictions_figure({Path(path).name: table for path, table in tables.items()}).savefig(folder / "compare.png", dpi=150)
+    if json_file is not None:
+        write_json(json_file, {"parameters": told, "runs": [{"file": path, **plain_table(table)} for path, table in tables.items()]})
+    print(f"\n{folder / 'compare.h5'}, {folder / 'compare.png'}")
+
+
+def friction_law(path, mu_s, b):
+    """{mu_s, b, and where from} of the options. Raises InputError unless it is one of --friction and --mu-s with --b."""
+    if (path is None) == (mu_s is None) or (mu_s is None) != (b is None):
+        raise InputError("compare: give --friction FILE, or --mu-s and --b")
+    if path is None:
+        return {"mu_s": mu_s, "b": b, "source": "given"}
+    from anisogran.files import open as open_results
+    from anisogran.fitting import mu_of_I
+
+    data = open_results(path, holds="steady")["steady"].to_dataset()
+    data = data.isel(test=data.inertial_number.values < 0.2)  # the linear law is not meant for faster flow
+    fit = mu_of_I(data.inertial_number.values, data.stress_ratio.values, data.stress_ratio_error.values)
+    remarks = "" if fit.verdict else f"; not trustworthy: {'; '.join(fit.verdict.reasons)}"
+    return {**fit.values, "mu_s_error": fit.errors["mu_s"], "b_error": fit.errors["b"], "source": f"fitted to {path}{remarks}"}
+
+
+def ring_run(path):
+    """The results of a run that a file or folder holds."""
+    from anisogran.files import open as open_results
+
+    return open_results(path / "results.h5" if path.is_dir() else path, holds="profiles")
+
+
+def parameters_text(law, parameters, own):
+    """What is given and what was fitted, before any prediction."""
+    errors = parameters.errors
+    top, length = parameters.exponential
+    lines = [
+        f"parameters, fixed before the predictions; fitted on {', '.join(map(str, own))}:",
+        f"  friction law         mu_s = {law['mu_s']:.4g}, b = {law['b']:.4g} ({law['source']})",
+        f"  nonlocal             A = {parameters.amplitude:.4g} +- {errors['amplitude']:.2g} d",
+        f"  nonlocal with wall   A = {parameters.amplitude_with_wall:.4g} +- {errors['amplitude_with_wall']:.2g} d, "
+        f"kappa = {parameters.wall:.4g} +- {errors['wall']:.2g}",
+        f"  exponential          v = {top:.4g} V exp(-depth/{length:.4g} d)",
+        *(f"  warning: {reason}" for reason in parameters.reasons),
+    ]
+    return "\n".join(lines)
+
+
+def table_text(table):
+    """The misfits of the rivals, the error bars of the grains and of the continuum beside them."""
+    lines = [f"{'':20} L2 (x < 8 d)  of the solver  rms of ln v  tau/sigma at the inner ring"]
+    for name, one in plain_table(table)["rivals"].items():
+        lines.append(f"{name:20} {one['l2']:12.3g} {one['l2_continuum']:14.1g} {one['log_rms']:12.3g} {one['stress_ratio_wall']:10.4g}")
+    ratio = f"{float(table.stress_ratio_wall_dem):10.4g} +- {float(table.stress_ratio_wall_dem_error):.2g}"
+    lines.append(f"{'grains':20} {float(table.l2_noise):12.3g} {'(error bars)':>27} {ratio}")
+    return "\n".join([*lines, *(f"warning: {reason}" for reason in [table.attrs["reasons"]] if reason)])
+
+
+def plain_parameters(law, parameters, own):
+    """The parameters as plain values."""
+    names = "amplitude", "amplitude_with_wall", "wall", "exponential", "errors"
+    return {**law, **{name: getattr(parameters, name) for name in names}, "fitted_on": [str(path) for path in own]}
+
+
+def plain_table(table):
+    """The numbers of a run as plain values."""
+    figures = "l2", "l2_continuum", "log_rms", "stress_ratio_wall"
+    rivals = {name: {key: float(table[key].sel(rival=name)) for key in figures} for name in table.rival.values}
+    whole = {key: float(table[key]) for key in ("l2_noise", "stress_ratio_wall_dem", "stress_ratio_wall_dem_error")}
+    return {"rivals": rivals, **whole}
