@@ -16,9 +16,10 @@ from anisogran.comparison.measures import (
 )
 from anisogran.comparison.pairing import Comparison, compare, ring_flow, wall_stress_ratio
 from anisogran.comparison.prediction import RIVALS, Frozen, frozen, predictions
+from anisogran.comparison.studies import study_runs
 
 __all__ = [
     "RIVALS", "Calibration", "Comparison", "Frozen", "Measured", "best_exponential", "compare", "decay_length", "decay_length_error",
     "equilibrium", "exponential_fit", "fitted_amplitude", "fitted_wall", "frozen", "log_rms", "measured", "near_l2", "predictions",
-    "relative_l2", "resolved", "ring_edges", "ring_flow", "wall_stress_ratio",
+    "relative_l2", "resolved", "ring_edges", "ring_flow", "study_runs", "wall_stress_ratio",
 ]  # fmt: skip
