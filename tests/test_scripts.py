@@ -24,9 +24,9 @@ def script(path):
 
 def test_friction_law(tmp_path, capsys):
     path = str(tmp_path / "friction_law.h5")
-    script(ROOT / "data_generation" / "friction_law.py").main([path, "--quick"])
+    script(ROOT / "data_generation" / "ring_friction_law.py").main([path, "--quick"])
     fit = script(ROOT / "fits" / "friction_law.py").main(path)
-    assert fit.values["mu_s"] == pytest.approx(0.28, abs=0.05)  # 100 grains, 10 short runs: errors of 0.013
+    assert fit.values["mu_s"] == pytest.approx(0.28, abs=0.05)  # 100 grains, short runs: errors of 0.013
     assert "mu = mu_s + b I" in capsys.readouterr().out
 
 
@@ -55,7 +55,16 @@ def test_biaxial_calibration(tmp_path, capsys):
     assert "sigma_zz: rms" in capsys.readouterr().out
 
 
-STUDIES = ("biaxial_cohesion", "biaxial_friction", "biaxial_pressure", "biaxial_density", "biaxial_cycles", "simple_shear")
+STUDIES = (
+    "biaxial_cohesion",
+    "biaxial_friction",
+    "biaxial_pressure",
+    "biaxial_density",
+    "biaxial_cycles",
+    "simple_shear",
+    "ring_friction_law",
+    "ring_reference",
+)
 
 
 @pytest.mark.parametrize("name", STUDIES)

@@ -29,6 +29,7 @@ _NAMES = {
     "Biaxial": "experiments",
     "CohesiveGas": "experiments",
     "RingShear": "experiments",
+    "RingShearVolume": "experiments",
     "SimpleShear": "experiments",
     "Stiffness": "experiments",
     "Tablet": "experiments",

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.optimize import brentq
 
 from anisogran import Biaxial, CohesiveGas, RingShear, SimpleShear, Stiffness, Tablet, average
 from anisogran import open as open_results
@@ -216,9 +217,15 @@ def test_the_wall_of_the_ring_measures_its_contacts(ring):
     length = 2 * np.pi * scene.inner_radius
     # the forces of the series are those of the half step, with other dashpots: measured 1e-4
     assert float(row.wall_shear_stress) == pytest.approx(-torque / (scene.inner_radius * length), rel=2e-3)
-    centre = snapshot.position[snapshot.pairs[on_ring, 1]]
-    radial = np.sum(centre * force) / np.hypot(*centre.T).mean()
-    assert float(row.wall_pressure) == pytest.approx(-radial / length, rel=2e-3)
+    pressing = 0.0
+    for (i, j), force in zip(snapshot.pairs, snapshot.force, strict=True):  # every contact across the circle over the tops of the discs
+        start, end = snapshot.position[i], snapshot.position[j]
+        if j < 0 or (np.hypot(*start) < scene.inner_radius) == (np.hypot(*end) < scene.inner_radius):
+            continue
+        share = brentq(lambda t, a, b: np.hypot(*(a + t * (b - a))) - scene.inner_radius, 0, 1, args=(start, end))
+        outwards = (start + share * (end - start)) / scene.inner_radius
+        pressing += abs(force @ outwards)
+    assert float(row.wall_pressure) == pytest.approx(pressing / length, rel=2e-3)
     np.testing.assert_allclose(ring.profiles.depth, (ring.profiles.r - scene.inner_radius) / scene.mean_diameter)
 
 
@@ -396,16 +403,26 @@ def test_biaxial_warnings():
 
 def test_ring_shear_warnings():
     scene = RingShear()
+    discarded, _, a_block = scene.counts()
 
-    def judge(v_phi, late=0, inertial=0.01, pressure=1.0):
-        profile = (("block", "r"), np.outer(v_phi, [1.0, 1.0]))
-        blocks = xr.Dataset({"v_phi": profile, "inertial_number": (("block", "r"), np.full((len(v_phi), 2), inertial))})
-        series = xr.Dataset({"outer_pressure": ("time", np.full(10, pressure))}, coords={"time": np.arange(10.0)})
-        return str(scene.judge(series, blocks, grown_late(late)))
+    def judge(v_phi, late=0, inertial=0.01, pressure=1.0, outer=15.0):
+        count = len(v_phi)
+        dense = np.random.default_rng(1).normal(0.8, 0.01, (count, 2))
+        values = {"v_phi": np.outer(v_phi, [1.0, 1.0]), "inertial_number": np.full((count, 2), inertial)}
+        values |= {"area_fraction": dense, "stress_ratio": dense}
+        blocks = xr.Dataset({name: (("block", "r"), one) for name, one in values.items()})
+        rows = discarded + count * a_block
+        series = {"outer_pressure": pressure, "wall_pressure": 1.0, "wall_shear_stress": 0.3}
+        series = {name: ("time", np.full(rows, value)) for name, value in series.items()}
+        series["outer_radius"] = ("time", np.append(np.zeros(discarded), np.repeat(outer * np.ones(count), a_block)))
+        return str(scene.judge(xr.Dataset(series, {"time": np.arange(float(rows))}), blocks, grown_late(late)))
 
     assert judge([1.0, 1.1, 1.0, 1.1, 1.0, 1.1]) == "ok"
     assert judge([1.0, 1.1, 1.0, 1.1]) == "warned: only 4 blocks: the error bars are rough"
-    assert judge([1.0, 1.1, 1.2, 1.7, 1.8, 1.9]).startswith("warned: not steady: the velocity in the second ring drifts by 8.6 standard")
+    drifting = judge([1.0, 1.1, 1.2, 1.7, 1.8, 1.9])
+    assert drifting == "warned: not steady: the velocity in the second ring drifts by 8.6 standard errors"
+    breathing = judge([1.0, 1.1, 1.0, 1.1, 1.0, 1.1], outer=np.array([15.0, 15.1, 15.0, 15.5, 15.6, 15.5]))
+    assert breathing == "warned: not steady: the outer radius drifts by 10.6 standard errors"
     assert judge([1.0] * 6, late=3) == "warned: 3 neighbour lists were built late"
     assert judge([1.0] * 6, inertial=0.3) == "warned: inertial number up to 0.3: far from quasi-static"
     assert judge([1.0] * 6, pressure=1.1) == "warned: the mean outer pressure is 1.10 times the one asked for"
@@ -455,7 +472,7 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),
         (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan must be a finite number"),
         (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 40 \\+ 20, or there is nothing to average"),
-        (lambda: RingShear(n=60), "n = 60 grains fill a gap of 1.4 mean diameters; 4.5 are needed"),
+        (lambda: RingShear(n=60), "RingShear: the grains fill a gap of 1.1 mean diameters; 4.5 are needed"),
         (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
         (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),
         (

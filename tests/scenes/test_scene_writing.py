@@ -71,8 +71,8 @@ def test_a_scene_is_read_back_from_its_text(kind, tmp_path):
 def test_the_text_of_a_scene():
     scene = RingShear(friction=None, contact=Luding(1.0, 2.0), seed=3)
     lines = scene_text(scene).splitlines()
-    assert lines[:3] == ['kind = "ring_shear"', "pressure = 1.0              # N/m", 'friction = "none"']
-    assert "seed = 3" in lines
+    assert lines[:2] == ['kind = "ring_shear"', 'friction = "none"']
+    assert {"pressure = 1.0              # N/m", "seed = 3"} < set(lines)
     assert lines[lines.index("[contact]") + 1 :] == [
         'law = "luding"',
         "k1 = 1.0                    # N/m",

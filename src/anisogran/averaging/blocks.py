@@ -130,3 +130,11 @@ def drift(values):
     error = np.sqrt(first.var(ddof=1) / half + second.var(ddof=1) / half) if half > 1 else np.nan
     shift = second.mean() - first.mean()
     return 0.0 if shift == 0 else float(shift / error)
+
+
+def chance_drift(count, chance=0.01):
+    """What |drift| of a steady record of that many independent values exceeds by `chance` only; infinite for fewer than four."""
+    from scipy.stats import t  # slow to import, and only needed here
+
+    half = count // 2
+    return float(t.ppf(1 - 0.5 * chance, 2 * half - 2)) if half > 1 else np.inf

@@ -52,7 +52,7 @@ def ring_flow(run, law):
         wall_speed=scene.wall_speed,
         outer_pressure=float(steady.outer_pressure.mean()),
         grain_diameter=scene.mean_diameter,
-        grain_mass=scene.mean_mass(),
+        grain_mass=float(scene.mass().mean()),
     )
 
 

@@ -6,12 +6,13 @@ from anisogran.experiments.experiment import Experiment
 from anisogran.experiments.kinds import KINDS, experiment_of
 from anisogran.experiments.probing import probes
 from anisogran.experiments.ring_shear import RingShear
+from anisogran.experiments.ring_shear_volume import RingShearVolume
 from anisogran.experiments.scene_file import read_scene
 from anisogran.experiments.simple_shear import SimpleShear
 from anisogran.experiments.stiffness import Stiffness
 from anisogran.experiments.tablet import Tablet
 
 __all__ = [
-    "KINDS", "Biaxial", "CohesiveGas", "Experiment", "RingShear", "SimpleShear", "Stiffness", "Tablet", "experiment_of", "probes",
-    "read_scene",
+    "KINDS", "Biaxial", "CohesiveGas", "Experiment", "RingShear", "RingShearVolume", "SimpleShear", "Stiffness", "Tablet",
+    "experiment_of", "probes", "read_scene",
 ]  # fmt: skip

@@ -3,12 +3,13 @@
 from anisogran.experiments.biaxial import Biaxial
 from anisogran.experiments.cohesive_gas import CohesiveGas
 from anisogran.experiments.ring_shear import RingShear
+from anisogran.experiments.ring_shear_volume import RingShearVolume
 from anisogran.experiments.simple_shear import SimpleShear
 from anisogran.experiments.stiffness import Stiffness
 from anisogran.experiments.tablet import Tablet
 from anisogran.scenes.keys import chosen
 
-KINDS = {experiment.kind: experiment for experiment in (Biaxial, CohesiveGas, RingShear, SimpleShear, Stiffness, Tablet)}
+KINDS = {experiment.kind: experiment for experiment in (Biaxial, CohesiveGas, RingShear, RingShearVolume, SimpleShear, Stiffness, Tablet)}
 
 
 def experiment_of(kind, where="kind"):
