@@ -14,18 +14,9 @@ import numpy as np
 
 import anisogran as ag
 from anisogran import plots
-from anisogran.comparison import RIVALS, fitted_amplitude, fitted_wall, frozen, predictions, study_runs
+from anisogran.comparison import RIVALS, fitted_amplitude, fitted_wall, frozen, homogeneous_friction, predictions, study_runs
 
 DATA = Path(__file__).parent / "data"
-LARGEST = 0.2  # inertial number: the linear law is not meant for faster flow
-
-
-def friction_law(folder):
-    """The FitResult of mu_s and b."""
-    steady = ag.open(folder / "ring_friction_law.h5", holds="shear/steady")["shear/steady"].to_dataset()
-    inertial, mu, error = (steady[name].values.ravel() for name in ("inertial_number", "stress_ratio", "stress_ratio_error"))
-    used = inertial < LARGEST
-    return ag.fit.mu_of_I(inertial[used], mu[used], error[used])
 
 
 def cells(folder):
@@ -62,7 +53,9 @@ def own_fits(name, runs, mu_s, b):
 
 def main(folder=DATA, figure=None):
     """Print the tables, save the profiles if a file is named; return the Frozen parameters and {cell: [Dataset of predictions]}."""
-    friction, runs = friction_law(Path(folder)), cells(Path(folder))
+    folder = Path(folder)
+    shear = ag.open(folder / "ring_friction_law.h5", holds="shear/steady")
+    friction, runs = homogeneous_friction(shear["shear/steady"].to_dataset()), cells(folder)
     mu_s, b = friction.values["mu_s"], friction.values["b"]
     calibrated, *predicted = runs
     parameters = frozen(runs[calibrated], mu_s, b)

@@ -54,7 +54,8 @@ def test_friction_comes_from_a_file_of_homogeneous_shear_and_a_lone_run_is_fitte
     inertial = np.geomspace(1e-3, 0.3, 12)
     mu = np.where(inertial < 0.2, 0.29 + 1.1 * inertial, 9.0)  # beyond 0.2 the law is not meant: it must not count
     steady = {"inertial_number": inertial, "stress_ratio": mu, "stress_ratio_error": np.full(12, 1e-3)}
-    save_results(tmp_path / "shear.h5", {"steady": xr.Dataset({name: ("test", value) for name, value in steady.items()})}, {})
+    data = xr.Dataset({name: ("inertial_number_asked", value) for name, value in steady.items()})
+    save_results(tmp_path / "shear.h5", {"shear/steady": data}, {})
     code, printed, _ = run(capsys, rings[0], "--friction", tmp_path / "shear.h5", "--out", tmp_path / "out", "--json", tmp_path / "n.json")
     assert code == 0
     assert "(fitted on this very run)" in printed
@@ -74,7 +75,7 @@ def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(rings, tmp_path, c
         (rings[0], "--mu-s", 0.3): "compare: give --friction FILE, or --mu-s and --b",
         (rings[0], "--mu-s", -1, "--b", 1): "mu_s = -1 must be above 0",
         (other, "--mu-s", 0.3, "--b", 1): "shear.h5: has no group profiles",
-        (rings[0], "--friction", other): "shear.h5: has no group steady",
+        (rings[0], "--friction", other): "shear.h5: has no group shear/steady",
         (tmp_path / "none", "--mu-s", 0.3, "--b", 1): "none",
     }
     for arguments, words in wrong.items():

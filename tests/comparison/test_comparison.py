@@ -63,6 +63,8 @@ def test_log_rms_in_closed_form():
     v = profiles.v_phi.values
     assert log_rms(profiles, v * np.exp(0.3)) == pytest.approx(0.3)
     assert log_rms(profiles, np.zeros_like(v)) == np.inf
+    assert np.isnan(log_rms(profiles, np.full_like(v, np.nan)))
+    assert np.isnan(log_rms(profiles.assign(v_phi_error=profiles.v_phi), v))  # no ring is resolved
     profiles["v_phi_error"] = ("r", np.where(profiles.depth > 3, 1.0, 1e-6))  # what is not resolved does not count
     assert log_rms(profiles, np.where(profiles.depth > 3, -1.0, v)) == pytest.approx(0.0, abs=1e-12)
 

@@ -16,7 +16,7 @@ def compare(
     calibrate: Annotated[
         list[Path] | None, typer.Option(help="Run that the nonlocal parameters are fitted on, or runs that differ in the seed.")
     ] = None,
-    friction: Annotated[Path | None, typer.Option(help="Homogeneous shear (.h5, data_generation/friction_law.py): mu_s and b.")] = None,
+    friction: Annotated[Path | None, typer.Option(help="Study of homogeneous shear (.h5, ring_friction_law.py), for mu_s and b.")] = None,
     mu_s: Annotated[float | None, typer.Option(help="Static friction of the law mu_s + b I, instead of --friction.")] = None,
     b: Annotated[float | None, typer.Option(help="Its slope.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for compare.h5 and compare.png; default: a new numbered folder.")] = None,
@@ -60,12 +60,10 @@ def friction_law(path, mu_s, b):
         raise InputError("compare: give --friction FILE, or --mu-s and --b")
     if path is None:
         return {"mu_s": mu_s, "b": b, "source": "given"}
+    from anisogran.comparison import homogeneous_friction
     from anisogran.files import open as open_results
-    from anisogran.fitting import mu_of_I
 
-    data = open_results(path, holds="steady")["steady"].to_dataset()
-    data = data.isel(test=data.inertial_number.values < 0.2)  # the linear law is not meant for faster flow
-    fit = mu_of_I(data.inertial_number.values, data.stress_ratio.values, data.stress_ratio_error.values)
+    fit = homogeneous_friction(open_results(path, holds="shear/steady")["shear/steady"].to_dataset())
     remarks = "" if fit.verdict else f"; not trustworthy: {'; '.join(fit.verdict.reasons)}"
     return {**fit.values, "mu_s_error": fit.errors["mu_s"], "b_error": fit.errors["b"], "source": f"fitted to {path}{remarks}"}
 

@@ -25,9 +25,9 @@ def near_l2(profiles, v_phi):
 
 def log_rms(profiles, v_phi):
     """Root mean square difference of ln v between a velocity and the DEM's, on its resolved rings; infinite if it is not positive there,
-    NaN if it is not known there."""
+    NaN if it is not known there, or no ring is resolved."""
     used = resolved(profiles)
-    if np.isnan(v_phi[used]).any():
+    if not used.any() or np.isnan(v_phi[used]).any():
         return float("nan")
     if not np.all(v_phi[used] > 0):
         return float("inf")
