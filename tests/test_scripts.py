@@ -56,15 +56,9 @@ def test_biaxial_calibration(tmp_path, capsys):
 
 
 STUDIES = (
-    "biaxial_cohesion",
-    "biaxial_friction",
-    "biaxial_pressure",
-    "biaxial_density",
-    "biaxial_cycles",
-    "simple_shear",
-    "ring_friction_law",
-    "ring_reference",
-)
+    "biaxial_cohesion", "biaxial_friction", "biaxial_pressure", "biaxial_density", "biaxial_cycles", "simple_shear", "ring_friction_law",
+    "ring_reference", "ring_paper", "ring_lecture",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", STUDIES)
