@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from anisogran.continuum import LocalMuI, RingFlow, local_mu_i, newtonian_couette
+from anisogran.continuum.balance import Point, Setting, balance
 from anisogran.continuum.exact import local_speed, local_stress_ratio
-from anisogran.continuum.laws import Setting, balance, shear_rate, viscous
+from anisogran.continuum.laws import shear_rate, viscous
 from anisogran.continuum.ring import first_guess, system
-from anisogran.continuum.space import Point, Space, graded
+from anisogran.continuum.space import Space, graded
 
 LAW = LocalMuI(mu_s=0.26, b=1.0)
 

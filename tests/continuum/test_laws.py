@@ -7,8 +7,8 @@ import pytest
 
 from anisogran import tensors
 from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
-from anisogran.continuum.laws import Setting, shear_rate
-from anisogran.continuum.space import Point
+from anisogran.continuum.balance import Point, Setting
+from anisogran.continuum.laws import shear_rate
 
 SETTING = Setting(inertial=0.3, diameter=0.1, density=0.0, rate_floor=1e-9, inner=1.0)
 
@@ -44,7 +44,7 @@ def test_rate_from_the_stress_is_the_shear_rate(law, rng):
 
 def test_uniform_fluidity_fulfils_its_equation_with_mu_of_i(rng):
     point, _, _ = state(rng)
-    source, flux = Nonlocal(0.3, 0.9, 0.8).fluidity(point, SETTING)
+    source, flux, _ = Nonlocal(0.3, 0.9, 0.8).fluidity(point, SETTING)
     np.testing.assert_allclose(source, 0.0, atol=1e-12)
     np.testing.assert_array_equal(flux, 0.0)
 

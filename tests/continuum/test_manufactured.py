@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from anisogran.continuum.laws import LocalMuI, Nonlocal, Setting, balance, complex_step
+from anisogran.continuum.balance import Point, Setting, balance, complex_step
+from anisogran.continuum.laws import LocalMuI, Nonlocal
 from anisogran.continuum.newton import System, newton
-from anisogran.continuum.space import Point, Space
+from anisogran.continuum.space import Space
 
 SETTING = Setting(inertial=0.3, diameter=0.5, density=0.7, rate_floor=1e-2, inner=1.0)
 LAWS = [LocalMuI(mu_s=0.4, b=0.8), Nonlocal(mu_s=0.4, b=0.8, amplitude=0.9)]
@@ -54,7 +55,7 @@ def errors(law, elements):
     x[free] *= 1.05
     x = newton(equations, x, free, [], 30)
     r = np.linspace(1.0, 2.0, 40 * elements + 1)[1::2]
-    found, wanted = space.evaluated(x, r), np.array([field for field in chosen(r, law) if field is not None])
+    found, wanted = space.evaluated(x, r), np.array([field for field in chosen(r, law) if np.ndim(field)])
     size = np.sqrt(np.mean((found - wanted) ** 2 * r, axis=1))
     return size[[0, 1, 4, 5, 6]] if "g" in law.fields else size[[0, 1, 4, 5]]
 
@@ -70,7 +71,7 @@ def test_orders(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_complex_step_tangent_is_the_derivative(law, rng):
-    z = np.array([field for field in chosen(np.linspace(1.0, 2.0, 7), law) if field is not None])
+    z = np.array([field for field in chosen(np.linspace(1.0, 2.0, 7), law) if np.ndim(field)])
     r = np.linspace(1.0, 2.0, 7)
     slope = complex_step(lambda point: balance(law, SETTING, point, r), z)
     direction = rng.standard_normal(z.shape)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from anisogran.continuum.space import Point
+from anisogran.continuum.balance import Point
 from anisogran.outcome import InputError, Status
 
 GAUSS = np.polynomial.legendre.leggauss(4)

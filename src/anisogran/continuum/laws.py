@@ -12,28 +12,11 @@ Phys. Rev. E 72, 021309; cited from memory) and the friction law linear, mu(I) =
 
 from dataclasses import dataclass
 from math import sqrt, tanh
-from typing import NamedTuple
 
 import numpy as np
 
-from anisogran.continuum.space import Point, elements_for
+from anisogran.continuum.space import elements_for
 from anisogran.outcome import InputError, checked
-
-STEP = 1e-100  # of the complex step; no subtraction, hence no rounding however small it is
-
-
-class Setting(NamedTuple):
-    """Numbers of a reduced problem: lengths in gap widths, speeds in |wall speed|, stresses in outer pressures.
-
-    `inertial`: (|V|/gap) sqrt(m/P), the inertial number of the mean rate; `diameter`: of a grain; `density`: rho V^2/P, 0 without
-    inertia; `rate_floor`: regularisation of the shear rate in the local law; `inner`: radius of the inner ring.
-    """
-
-    inertial: float
-    diameter: float
-    density: float
-    rate_floor: float
-    inner: float
 
 
 def shear_rate(point, floor=0.0):
@@ -147,9 +130,10 @@ class Nonlocal:
         return (point.g + setting.rate_floor) * deviator / point.p
 
     def fluidity(self, point, setting):
-        """What is paired with a variation of g and of dg/dr in the weak form of the equation above."""
+        """What is paired with a variation of g and of its slopes along r and phi in the weak form of the equation above."""
         source = shear_rate(point) * (1.0 - self.b * setting.inertial * point.g / np.sqrt(point.p))
-        return self.mu_s * point.g - source, (self.amplitude * setting.diameter) ** 2 * point.g_r
+        diffusivity = (self.amplitude * setting.diameter) ** 2
+        return self.mu_s * point.g - source, diffusivity * point.g_r, diffusivity * point.g_f
 
     def wall_exchange(self, setting):
         """The factor of g(R_i) in the residual at the inner ring: A^2 d^2 dg/dr = -A^2 d kappa g enters as -R_i A^2 d kappa.
@@ -161,34 +145,6 @@ class Nonlocal:
         limit = tanh(1.0 / self.length(setting)) * setting.diameter / self.length(setting)
         checked("RingFlow", "law.wall", self.wall, below=limit)
         return -setting.inner * self.amplitude**2 * setting.diameter * self.wall
-
-
-def balance(law, setting, point, r):
-    """q[row, ...], paired with the variation of each component of the Point in the weak steady balances.
-
-    Rows: inertia (centrifugal and Coriolis-like terms of a steady axisymmetric flow), stress, incompressibility, and the
-    fluidity equation if the law has one.
-    """
-    s_rr, s_ff, s_rf = law.stress(point, setting)
-    rows = [
-        setting.density * (point.u_r * point.d_rr - point.u_phi**2 / r),
-        setting.density * point.u_r * (point.gamma + 2.0 * point.u_phi / r),
-        -s_rr,
-        -s_ff,
-        -s_rf,
-        -(point.d_rr + point.d_ff),
-    ]
-    if "g" in law.fields:
-        rows += law.fluidity(point, setting)
-    return np.stack(np.broadcast_arrays(*rows))
-
-
-def complex_step(function, z):
-    """dq/dz[row, column, ...] of a pointwise function q(Point), by one evaluation for each column at once."""
-    rows = len(z)
-    shifted = z[:, None].astype(complex) * np.ones((1, rows) + (1,) * (z.ndim - 1))
-    shifted[np.arange(rows), np.arange(rows)] += 1j * STEP
-    return function(Point(*shifted)).imag / STEP
 
 
 def check_law(law):

@@ -12,8 +12,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
-from anisogran.continuum.laws import complex_step
-from anisogran.continuum.space import Point
+from anisogran.continuum.balance import Point, complex_step
 from anisogran.outcome import NotConverged
 
 TOLERANCE = 1e-8  # of the last correction; it is still applied, and Newton squares it

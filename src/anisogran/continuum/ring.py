@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from anisogran.continuum.balance import Setting, balance
 from anisogran.continuum.flow import Flow, fields, torques
-from anisogran.continuum.laws import Setting, balance, check_law
+from anisogran.continuum.laws import check_law
 from anisogran.continuum.newton import System, alternated, newton
 from anisogran.continuum.space import Space, graded
 from anisogran.outcome import InputError, NotConverged, Status, checked

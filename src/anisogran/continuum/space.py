@@ -5,26 +5,12 @@ axisymmetric flow the mesh is a line; the residual is B^T q(z) in any dimension,
 """
 
 from math import ceil, expm1, log
-from typing import NamedTuple
 
 import numpy as np
 from skfem import Basis, ElementLineP1, ElementLineP2, MeshLine
 
 ELEMENTS = {"u_r": ElementLineP2, "u_phi": ElementLineP2, "p": ElementLineP1, "g": ElementLineP2}
 QUADRATURE_ORDER = 9  # five points an element: 1/r and 1/g are not polynomials
-
-
-class Point(NamedTuple):
-    """What a law sees: velocity, rate of deformation (gamma = 2 D_rphi), pressure, fluidity and its slope, all of one shape."""
-
-    u_r: np.ndarray
-    u_phi: np.ndarray
-    d_rr: np.ndarray
-    d_ff: np.ndarray
-    gamma: np.ndarray
-    p: np.ndarray
-    g: np.ndarray | None = None
-    g_r: np.ndarray | None = None
 
 
 def graded(inner, outer, elements, layer):
