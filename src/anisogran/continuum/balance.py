@@ -1,4 +1,4 @@
-"""The weak steady balances at a point, the same for every law, and their tangent by a complex step."""
+"""The weak steady balances at a point, the same for every law and mesh, and their tangent by a complex step."""
 
 from typing import NamedTuple
 
@@ -8,10 +8,10 @@ STEP = 1e-100  # of the complex step; no subtraction, hence no rounding however 
 
 
 class Setting(NamedTuple):
-    """Numbers of a reduced problem: lengths in gap widths, speeds in |wall speed|, stresses in outer pressures.
+    """Numbers of a reduced problem: lengths in gap widths, speeds in that of the faster ring, stresses in outer pressures.
 
-    `inertial`: (|V|/gap) sqrt(m/P), the inertial number of the mean rate; `diameter`: of a grain; `density`: rho V^2/P, 0 without
-    inertia; `rate_floor`: regularisation of the shear rate in the local law; `inner`: radius of the inner ring.
+    `inertial`: (speed/gap) sqrt(m/P), the inertial number of the mean rate; `diameter`: of a grain; `density`: rho speed^2/P, 0
+    without inertia; `rate_floor`: regularisation of the shear rate in the local law; `inner`: radius of the inner ring.
     """
 
     inertial: float
@@ -24,43 +24,47 @@ class Setting(NamedTuple):
 class Point(NamedTuple):
     """What a law sees, arrays of one shape: velocity, rate of deformation (gamma = 2 D_rphi), pressure, fluidity and its slopes.
 
-    `g_f` is the slope along phi, (1/r) dg/dphi, which an axisymmetric flow has not.
+    `g_f` is the slope along phi, (1/r) dg/dphi, which an axisymmetric flow has not. `spin` is that of the flow, half the curl of
+    the velocity, counter-clockwise positive; no law may depend on it.
     """
 
-    u_r: np.ndarray
-    u_phi: np.ndarray
-    d_rr: np.ndarray
-    d_ff: np.ndarray
-    gamma: np.ndarray
-    p: np.ndarray
+    u_r: np.ndarray | None = None
+    u_phi: np.ndarray | None = None
+    d_rr: np.ndarray | None = None
+    d_ff: np.ndarray | None = None
+    gamma: np.ndarray | None = None
+    p: np.ndarray | None = None
     g: np.ndarray | None = None
     g_r: np.ndarray | None = None
     g_f: np.ndarray | float = 0.0
+    spin: np.ndarray | None = None
 
 
-def balance(law, setting, point, r):
-    """q[row, ...], paired with the variation of each component of the Point in the weak steady balances.
+def balance(law, setting, point):
+    """{row: q}, paired with the variation of that component of the Point in the weak steady balances.
 
-    Rows: inertia (centrifugal and Coriolis-like terms of a steady axisymmetric flow), stress, incompressibility, and the
-    fluidity equation if the law has one.
+    Stress, incompressibility, the fluidity equation if the law has one; with inertia (density above 0) also the advection of
+    momentum, the velocity gradient (D + spin) times the velocity, which in polar components has no further term.
     """
     s_rr, s_ff, s_rf = law.stress(point, setting)
-    rows = [
-        setting.density * (point.u_r * point.d_rr - point.u_phi**2 / r),
-        setting.density * point.u_r * (point.gamma + 2.0 * point.u_phi / r),
-        -s_rr,
-        -s_ff,
-        -s_rf,
-        -(point.d_rr + point.d_ff),
-    ]
+    q = {"d_rr": -s_rr, "d_ff": -s_ff, "gamma": -s_rf, "p": -(point.d_rr + point.d_ff)}
+    if setting.density > 0.0:
+        q["u_r"] = setting.density * (point.d_rr * point.u_r + (0.5 * point.gamma - point.spin) * point.u_phi)
+        q["u_phi"] = setting.density * ((0.5 * point.gamma + point.spin) * point.u_r + point.d_ff * point.u_phi)
     if "g" in law.fields:
-        rows += law.fluidity(point, setting)[:2]
-    return np.stack(np.broadcast_arrays(*rows))
+        q["g"], q["g_r"], q["g_f"] = law.fluidity(point, setting)
+    return q
 
 
-def complex_step(function, z):
-    """dq/dz[row, column, ...] of a pointwise function q(Point), by one evaluation for each column at once."""
-    rows = len(z)
-    shifted = z[:, None].astype(complex) * np.ones((1, rows) + (1,) * (z.ndim - 1))
-    shifted[np.arange(rows), np.arange(rows)] += 1j * STEP
-    return function(Point(*shifted)).imag / STEP
+def stacked(q, rows, like):
+    """q[row, ...] of a dict of rows, each broadcast to the shape of `like`; a row that is not in it is 0."""
+    return np.stack([np.broadcast_to(q.get(row, 0.0), np.shape(like)) for row in rows])
+
+
+def complex_step(function, z, rows):
+    """dq/dz[row, column, ...] of a pointwise function q(Point) that gives a dict of rows, by one evaluation for all columns."""
+    number = len(rows)
+    shifted = z[:, None].astype(complex) * np.ones((1, number) + (1,) * (z.ndim - 1))
+    shifted[np.arange(number), np.arange(number)] += 1j * STEP
+    q = function(Point(**dict(zip(rows, shifted, strict=True))))
+    return stacked(q, rows, shifted[0]).imag / STEP

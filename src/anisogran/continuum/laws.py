@@ -15,7 +15,7 @@ from math import sqrt, tanh
 
 import numpy as np
 
-from anisogran.continuum.space import elements_for
+from anisogran.continuum.grading import elements_for
 from anisogran.outcome import InputError, checked
 
 

@@ -1,0 +1,154 @@
+"""How a steady ring flow is found: from coarse to fine meshes, from a large rate floor to the wanted one, from sticking to slipping.
+
+On the coarsest mesh a law with fluidity begins with Picard rounds; everything else is Newton's method.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from anisogran.continuum.grading import graded
+from anisogran.continuum.newton import alternated, newton
+from anisogran.continuum.space import Space
+from anisogran.continuum.walls import columns, equations, slip_signs, sticking, wall_velocity
+from anisogran.outcome import NotConverged
+
+COARSEST = (16, 8)  # elements along the radius and around, below which a mesh is not coarsened
+SWITCHES = 30  # rounds in which the places that slip are found
+
+
+class Solution(NamedTuple):
+    """A solved level: the space, its unknowns, the equations they fulfil, and where Coulomb walls slip."""
+
+    space: Any
+    x: np.ndarray
+    system: Any
+    signs: dict
+
+
+def solved(problem, history):
+    """The Solution on the finest mesh, and the relative change of v_phi with a tenth of the rate floor, None if it is not known.
+
+    `history` gets the size of every correction. Raises NotConverged.
+    """
+    spaces = levels(problem)
+    known, change = started(spaces[0], problem, history)
+    for space in spaces[1:]:
+        signs = {outer: np.repeat(before, 2) for outer, before in known.signs.items()}
+        known = slipped(space, problem, refined(known, space, problem), signs, history)
+    return known, change
+
+
+def levels(problem):
+    """The spaces from the coarsest to the one asked for; each is nested in the next. One, if the flow is axisymmetric."""
+    law = problem.law
+    vertices = graded(problem.r_inner / problem.gap, problem.r_outer / problem.gap, problem.elements_along(), problem.layer())
+    if problem.dimension == 1:
+        return [Space(vertices, law.fields, inertia=problem.inertia)]
+    angles, found = np.linspace(0.0, 2.0 * np.pi, int(problem.elements_around) + 1), []
+    while True:
+        found.append(Space(vertices, law.fields, angles, problem.eccentricity / problem.gap, problem.inertia))
+        halved = [(line.size - 1) // 2 for line in (vertices, angles)]
+        if any(line.size % 2 == 0 for line in (vertices, angles)) or any(np.less(halved, COARSEST)):
+            return found[::-1]
+        vertices, angles = vertices[::2], angles[::2]
+
+
+def started(space, problem, history):
+    """The Solution on the coarsest mesh, from nothing, and the influence of the rate floor (see `solved`)."""
+    signs = sticking(space)
+    x, known = first_guess(space, problem), []
+    for floor in floors(problem.law, problem.floor):
+        system = equations(space, problem, problem.setting(floor), signs)
+        if known:
+            x = predicted(space, known, floor)
+        elif "g" in space.part:
+            x = alternated(system, x, history, problem.max_iterations)
+        x = newton(system, x, history, problem.max_iterations)
+        known.append((floor, x))
+    solution = slipped(space, problem, x, signs, history)
+    known[-1] = (problem.floor, solution.x)
+    finer = equations(space, problem, problem.setting(0.1 * problem.floor), solution.signs)
+    try:
+        moved = newton(finer, predicted(space, known, 0.1 * problem.floor), [], problem.max_iterations) - solution.x
+    except NotConverged:
+        return solution, None
+    return solution, norm(space, moved) / norm(space, solution.x)
+
+
+def slipped(space, problem, x, signs, history):
+    """The Solution from a start x, with the places of Coulomb walls that slip found in turn with the flow."""
+    for _ in range(SWITCHES):
+        system = equations(space, problem, problem.setting(), signs)
+        x = newton(system, x, history, problem.max_iterations)
+        before, signs = signs, slip_signs(space, problem, x, system.reaction(x), signs)
+        if all(np.array_equal(signs[outer], before[outer]) for outer in signs):
+            return Solution(space, x, system, signs)
+        x = carried(space, problem, x, signs)
+    raise NotConverged(f"continuum: the places where the walls slip still change after {SWITCHES} rounds", history, x)
+
+
+def floors(law, last):
+    """Rate floors from the law's first one down to `last`, each the law's factor below the one before."""
+    floor = law.first_floor
+    while floor > last * 1.000001:
+        yield floor
+        floor *= law.floor_factor
+    yield last
+
+
+def predicted(space, known, floor):
+    """A start for a lower floor from the solutions [(floor, x), ...] known.
+
+    With fluidity: the last one, the fluidity raised as much as the floor falls, which keeps its stress and its positivity. Else
+    the line through the last two: where grains are all but at rest, the velocity is proportional to the floor.
+    """
+    last, x = known[-1]
+    out = x.copy()
+    if "g" in space.part:
+        out[space.part["g"]] += last - floor
+    elif len(known) > 1:
+        before, older = known[-2]
+        out += (floor - last) / (last - before) * (x - older)
+    return out
+
+
+def first_guess(space, problem):
+    """Reduced unknowns: velocity linear from ring to ring, pressure 1, fluidity decaying as in grains at rest."""
+    x = np.zeros(space.size)
+    share = (space.place - space.vertices[0]) / (space.vertices[-1] - space.vertices[0])
+    inside, outside = wall_velocity(space, problem, outer=False), wall_velocity(space, problem, outer=True)
+    for name, a, b in zip(("u_r", "u_phi"), inside, outside, strict=True):
+        part = space.part[name]
+        rounds = share[part].reshape(-1, a.size)
+        x[part] = (a * (1.0 - rounds) + b * rounds).ravel()
+    x[space.part["p"]] = 1.0
+    if "g" in space.part:
+        part = space.part["g"]
+        x[part] = np.exp(-(space.place[part] - space.vertices[0]) / problem.law.length(problem.setting()))
+    return carried(space, problem, x, sticking(space))
+
+
+def carried(space, problem, x, signs):
+    """x with the velocities that the walls prescribe."""
+    out, held = x.copy(), columns(space, problem, signs) < 0
+    for outer in (False, True):
+        for name, values in zip(("u_r", "u_phi"), wall_velocity(space, problem, outer), strict=True):
+            places = space.ring(name, outer)
+            out[places] = np.where(held[places], values, x[places])
+    return out
+
+
+def refined(known, space, problem):
+    """The unknowns of a coarse Solution in the space of a finer mesh, in which they are the same functions."""
+    x = np.empty(space.size)
+    for name, part in space.part.items():
+        x[part] = getattr(known.space.evaluated(known.x, space.place[part], space.angle[part]), name)
+    return carried(space, problem, x, {outer: np.repeat(before, 2) for outer, before in known.signs.items()})
+
+
+def norm(space, x):
+    """The L2 norm of u_phi over the area (as if the rings were concentric)."""
+    s = space.nodes()
+    square = np.mean(x[space.part["u_phi"]].reshape(s.size, -1) ** 2, axis=1)
+    return float(np.sqrt(np.trapezoid(square * s, s)))
