@@ -14,8 +14,11 @@ import numpy as np
 
 from anisogran.compiled import subkernel
 from anisogran.models.first_order import inverse, size
+from anisogran.models.mu_of_i import saturating
 from anisogran.models.point import EMPTY, JAMMED, OK, Point
 from anisogran.outcome import checked
+
+_saturating = subkernel(saturating)  # the one formula of a point, a curve and all quadrature points
 
 
 class InertialParameters(NamedTuple):
@@ -94,7 +97,7 @@ def stressed(p, point, increment):
     if code != OK:
         return point, code
     I = (p.phi_max - point.x) / p.slope
-    mu = p.mu_s + (p.mu_d - p.mu_s) * I * inverse(I + p.I0) + p.b * I
+    mu = _saturating(I, p.mu_s, p.mu_d, p.I0) + p.b * I
     length = size(increment.eps_1, increment.eps_2)
     over_rate = p.grain_mass * (2.0 * inverse(I * increment.time)) ** 2  # sigma_V / |d eps|^2
     shear = mu * over_rate * length

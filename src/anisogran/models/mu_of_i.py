@@ -44,12 +44,12 @@ def mu_of_I(I, mu_s, mu_d, I0):
 
     The form of Jop, Forterre & Pouliquen, Nature 441, 727 (2006), where mu_d is called mu_2.
     """
-    return mu_d - (mu_d - mu_s) * rest_share(I, I0)
+    return saturating(inertial_number_checked(I)[()], mu_s, mu_d, I0)
 
 
-def rest_share(I, I0):
-    """I0/(I0 + I): 1 at rest, 0 at large I, without overflow."""
-    return I0 / (I0 + inertial_number_checked(I)[()])
+def saturating(I, mu_s, mu_d, I0):
+    """The formula of `mu_of_I`, for numbers and arrays, real and complex, also compiled: at rest and at large I exact, no overflow."""
+    return mu_d - (mu_d - mu_s) * (I0 / (I0 + I))
 
 
 def I_of_mu(mu, mu_s, mu_d, I0):

@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 
 from anisogran.models.ill_posedness import neutral_inertial_numbers
-from anisogran.models.mu_of_i import inertial_number_checked, mu_of_I, rest_share
+from anisogran.models.mu_of_i import inertial_number_checked, mu_of_I
 from anisogran.outcome import checked
 
 
@@ -24,7 +24,7 @@ def mu_regularised(I, mu_s, mu_d, I0, alpha=1.9, mu_inf=0.05):
     I1, _ = neutral_inertial_numbers(mu_s, mu_d, I0)
 
     def with_tail(I):
-        return mu_of_I(I, mu_s, mu_d, I0) + mu_inf * I * (1.0 - rest_share(I, I0))
+        return mu_of_I(I, mu_s, mu_d, I0) + mu_inf * I * (I / (I0 + I))
 
     rest, creeping = I == 0.0, np.real(I) <= I1
     ln_A = log(I1) + alpha / with_tail(I1) ** 2
