@@ -2,9 +2,9 @@
 
     python data_generation/ring_paper.py ring_paper.h5 [--quick]
 
-The cell of ring_reference.py, only larger: the gap is 20 mean diameters. The wall travels 200 of them; the first 100 are not averaged, since
-the tail settles late. Two runs of some five minutes on one core; it can be stopped and goes on. The last snapshot of each is kept for pictures.
---quick makes a rough version in seconds.
+The cell of ring_reference.py, only larger: the gap is 20 mean diameters. The wall travels 200 of them; the first 100 are not averaged,
+since the tail settles late. Two runs of some five minutes on one core; it can be stopped and goes on. The last snapshot of each is kept
+for pictures. --quick makes a rough version in seconds.
 """
 
 import argparse

@@ -12,6 +12,7 @@ from anisogran.plots.moduli import moduli_figure
 from anisogran.plots.mohr_circles import mohr_circles_figure
 from anisogran.plots.panels import Panel, panels_figure
 from anisogran.plots.ring import predictions_figure, ring_fields, velocity_comparison
+from anisogran.plots.ring_pictures import ring_pictures, stress_crosses
 from anisogran.plots.snapshots import chain_figure, draw_packing, packings
 from anisogran.plots.stiffness import stiffness_figure
 from anisogran.plots.style import figure
@@ -38,6 +39,8 @@ __all__ = [
     "panels_figure",
     "predictions_figure",
     "ring_fields",
+    "ring_pictures",
     "stiffness_figure",
+    "stress_crosses",
     "velocity_comparison",
 ]
