@@ -88,7 +88,7 @@ def solution(space, law, lobes):
 def quadrature_angles(space):
     """phi of the quadrature points [element, point]."""
     width = np.diff(space.angles)
-    return np.tile(space.angles[:-1], len(space.vertices) - 1)[:, None] + space.local[0] * np.tile(width, len(space.vertices) - 1)[:, None]
+    return np.tile(space.angles[:-1], len(space.vertices) - 1)[:, None] + space.local[1] * np.tile(width, len(space.vertices) - 1)[:, None]
 
 
 def errors(law, elements, around, offset):

@@ -57,8 +57,12 @@ def balance(law, setting, point):
 
 
 def stacked(q, rows, like):
-    """q[row, ...] of a dict of rows, each broadcast to the shape of `like`; a row that is not in it is 0."""
-    return np.stack([np.broadcast_to(q.get(row, 0.0), np.shape(like)) for row in rows])
+    """q[row, ...] of a dict of rows, each broadcast to the shape of the array `like`; a row that is not in it is 0."""
+    out = np.zeros((len(rows), *like.shape), dtype=like.dtype)
+    for k, row in enumerate(rows):
+        if row in q:
+            out[k] = q[row]
+    return out
 
 
 def complex_step(function, z, rows):

@@ -9,9 +9,10 @@ import numpy as np
 
 from anisogran.outcome import NotConverged
 
-TOLERANCE = 1e-8  # of the last correction; it is still applied, and Newton squares it
+TOLERANCE = 1e-7  # of the last correction; it is still applied, and Newton squares it
 IMBALANCE = 1e-10  # of a converged answer, in units of the largest reaction
 SHORTEST = 2.0**-14  # damping below which the search is given up
+CHORD = 0.1  # contraction that is worth another step with an old factorisation
 BOUNDARY = 0.1  # share of its value that a positive quantity keeps in one step, at least
 ROUNDS, NEAR = 30, 0.01  # of Picard, at most; the change at which Newton takes over (0.05 failed in 6 of 240 cases, 0.02 in none)
 SLOW, WINDOW = 0.99, 10  # stagnation: the best correction falls by less than 1 % in so many iterations
@@ -60,38 +61,53 @@ def alternated(system, x, history, limit):
     return x
 
 
-def newton(system, x, history, limit):
-    """The solution; `history` gets the size of every correction (see System.size).
+def newton(system, x, history, limit, balanced=True):
+    """The solution; `history` gets the size of every correction. One that need not be `balanced` will do to start another stage.
 
-    Raises NotConverged, with history and best iterate, when the iterations are used up, the line search stalls, or the
-    corrections stagnate.
+    A factorisation serves on as long as its corrections shrink by CHORD each. Raises NotConverged, with history and best iterate,
+    when the iterations are used up, the line search stalls, or the corrections stagnate.
     """
     damping, first = 1.0, len(history)
     while len(history) < limit:
         step, factors = correction(system, x, history)
         size = system.size(step, x)
         history.append(size)
-        share = longest(system, x, step)
-        if size <= TOLERANCE:
-            if share == 1.0 and system.imbalance(x + step) <= IMBALANCE:
-                return x + step
-        else:
+        if size > TOLERANCE:
             refuse_stagnation(history[first:], history, x)
-        share = min(share, 4.0 * damping)
+        share = min(longest(system, x, step), 4.0 * damping)
         while True:
+            if share >= 1.0 and finished(system, x + step, size, balanced):
+                return x + step
             trial = x + share * step
-            # outside of its domain a law is not finite, and the trial is refused by the comparison below
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                after = system.trial @ factors.solve(-system.residual(trial))
-            if system.size(after, x) <= (1.0 - 0.25 * share) * size:
+            after = chord(system, factors, trial)
+            shrunk = system.size(after, x)
+            if shrunk <= (1.0 - 0.25 * share) * size:
                 break
-            share *= 0.5
             if size <= TOLERANCE:
                 return min((x, x + step), key=system.imbalance)  # rounding, no step helps any more
+            share *= 0.5
             if share < SHORTEST:
                 raise NotConverged(f"continuum: the line search stalls at a correction of {size:.1e}; more elements may help", history, x)
         x, damping = trial, share
+        while shrunk <= CHORD * size and longest(system, x, after) == 1.0 and len(history) < limit:
+            x, size = x + after, shrunk
+            history.append(size)
+            if finished(system, x, size, balanced):
+                return x
+            after = chord(system, factors, x)
+            shrunk = system.size(after, x)
     raise NotConverged(f"continuum: no solution after {limit} iterations, last correction {history[-1]:.1e}", history, x)
+
+
+def chord(system, factors, x):
+    """The correction at x with the tangent of another place; not finite outside of the domain of a law, which no comparison passes."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return system.trial @ factors.solve(-system.residual(x))
+
+
+def finished(system, x, size, balanced):
+    """Whether x, reached by a correction of this size, will do."""
+    return size <= TOLERANCE and (not balanced or system.imbalance(x) <= IMBALANCE)
 
 
 def refuse_stagnation(sizes, history, x):

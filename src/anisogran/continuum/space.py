@@ -5,13 +5,11 @@ is a line in r if the flow is axisymmetric, else the logical rectangle (s, phi),
 ring to ring (s = r if the rings are concentric). The residual is B^T q(z) on both, with z = B x the `Point` seen by the law.
 """
 
-from functools import cached_property
 from itertools import product
 from math import pi
 
 import numpy as np
-from scipy.sparse import csc_array
-from skfem import ElementLineP1, ElementLineP2, ElementQuad1, ElementQuad2, MeshLine, MeshQuad
+from skfem import ElementLineP1, ElementLineP2, ElementQuad1, ElementQuad2
 
 from anisogran.continuum.balance import Point
 
@@ -39,16 +37,16 @@ class Space:
         self.around = 1 if line else len(self.angles) - 1
         self.radians = 1.0 if line else 2.0 * pi
         self.elements = LINE if line else RECTANGLE
-        self.mapping = (MeshLine(self.vertices) if line else MeshQuad.init_tensor(self.vertices, self.angles)).mapping()
+        self.lines = [self.vertices] if line else [self.vertices, self.angles]
         self.cells = np.arange((len(self.vertices) - 1) * self.around)
         self.rows = self._rows(inertia)
         self._number()
-        self.local, self.share = gauss_points(1 if line else 2)
-        everywhere = np.broadcast_to(self.local[:, None], (len(self.local), self.cells.size, self.share.size))
+        self.local, self.share = gauss_points(len(self.lines))
+        everywhere = self.local[:, None]
         self.b = self.operators(everywhere, self.cells, self.rows)
-        s, phi = self._mapped(everywhere, self.cells)
+        s, phi, sizes = self._mapped(everywhere, self.cells)
         self.r, stretch, _ = self.polar(s, phi)
-        self.weight = self.share * np.abs(self.mapping.detDF(everywhere, self.cells)) * stretch * self.r
+        self.weight = self.share * np.prod(sizes, axis=0) * stretch * self.r
         self._columns = self.b.reshape(self.cells.size, -1, self.dofs.shape[1])
 
     def _rows(self, inertia):
@@ -65,7 +63,7 @@ class Space:
         for name in self.fields:
             degree = DEGREE[name]
             corner = np.rint(degree * self.elements[degree].doflocs).astype(int)
-            i, j = degree * radial[:, None] + corner[:, -1], degree * angular[:, None] + corner[:, 0]
+            i, j = degree * radial[:, None] + corner[:, 0], degree * angular[:, None] + corner[:, -1]
             radii, turns = nodes(self.vertices, degree), np.zeros(1) if self.angles is None else nodes(self.angles, degree)[:-1]
             dofs.append(self.size + i * turns.size + (j % turns.size))
             self.part[name] = slice(self.size, self.size + radii.size * turns.size)
@@ -75,9 +73,11 @@ class Space:
         self.dofs, self.place, self.angle = np.concatenate(dofs, axis=1), np.concatenate(place), np.concatenate(angle)
 
     def _mapped(self, local, cells):
-        """s and phi of places `local` (phi and s, or s only; 0 to 1) in the elements `cells`."""
-        at = self.mapping.F(local, cells)
-        return at[0], (at[1] if self.angles is not None else np.zeros_like(at[0]))
+        """s and phi of places `local` (s and phi, or s only; 0 to 1) in the elements `cells`, and the sizes of these [cell, 1]."""
+        corners = np.divmod(cells, self.around)
+        sizes = [np.diff(line)[k][:, None] for line, k in zip(self.lines, corners, strict=False)]
+        at = [line[k][:, None] + size * x for line, k, size, x in zip(self.lines, corners, sizes, local, strict=False)]
+        return at[0], at[1] if self.angles is not None else np.zeros_like(at[0]), sizes
 
     def polar(self, s, phi):
         """r, dr/ds and dr/dphi at s: radii stretch linearly from the inner ring, a circle beside the origin, to the outer one."""
@@ -89,19 +89,21 @@ class Space:
         return s + share * excess, 1.0 - excess / (outer - inner), -share * across * (1.0 + along / reach)
 
     def operators(self, local, cells, rows):
-        """B [cell, point, row, local unknown] of the named rows at `local` [direction, cell, point] in the elements `cells`."""
-        s, phi = self._mapped(local, cells)
+        """B [cell, point, row, local unknown] of the named rows at `local` [direction, cell or 1, point] in the elements `cells`."""
+        s, phi, sizes = self._mapped(local, cells)
         r, stretch, turn = self.polar(s, phi)
-        columns = []
+        out, column = np.zeros((*r.shape, len(rows), self.dofs.shape[1])), 0
         for name in self.fields:
             element = self.elements[DEGREE[name]]
             for i in range(len(element.doflocs)):
-                (shape,) = element.gbasis(self.mapping, local, i, cells)
-                value, slope = np.asarray(shape), shape.grad[0] / stretch
-                around = (shape.grad[1] - turn * slope) / r if self.angles is not None else np.zeros_like(value)
-                seen = contributions(name, value, slope, around, r)
-                columns.append(np.stack([np.broadcast_to(seen.get(row, 0.0), r.shape) for row in rows], axis=-1))
-        return np.stack(columns, axis=-1)
+                value, slopes = element.lbasis(local, i)
+                slope = slopes[0] / sizes[0] / stretch
+                around = (slopes[1] / sizes[1] - turn * slope) / r if self.angles is not None else 0.0
+                for row, added in contributions(name, value, slope, around, r).items():
+                    if row in rows:
+                        out[..., rows.index(row), column] = added
+                column += 1
+        return out
 
     def ring(self, field, outer):
         """Places in the vector of the unknowns of `field` on the inner or the outer ring, by angle."""
@@ -122,11 +124,6 @@ class Space:
         """The vector sum over points of weight B^T q, for q[row, element, point]."""
         weighted = (q * self.weight).transpose(1, 2, 0).reshape(len(self.dofs), 1, -1)
         return np.bincount(self.dofs.ravel(), weights=(weighted @ self._columns).ravel(), minlength=self.size)
-
-    @cached_property
-    def pattern(self):
-        """Where the element matrices of `tangents` go in a sparse matrix."""
-        return Pattern(self.dofs, self.size)
 
     def tangents(self, slope):
         """Element matrices [element, local, local] of B^T C B, for C = dq/dz as slope[row, column, element, point]."""
@@ -156,16 +153,15 @@ class Space:
 
     def _sides(self, s, phi):
         """The elements that hold each point and the places in them [direction, point], from both sides of each mesh line."""
-        lines = [self.vertices] if self.angles is None else [self.vertices, self.angles]
-        for sides in product(("left", "right"), repeat=len(lines)):
+        for sides in product(("left", "right"), repeat=len(self.lines)):
             cells, local = 0, []
-            for line, value, side in zip(lines, (s, np.mod(phi, 2.0 * pi)), sides, strict=False):
+            for line, value, side in zip(self.lines, (s, np.mod(phi, 2.0 * pi)), sides, strict=False):
                 k = np.searchsorted(line, value, side) - 1
                 if line is self.angles:  # the line phi = 0 is the line 2 pi
                     value, k = np.where(k < 0, value + 2.0 * pi, value), k % self.around
                 k = np.clip(k, 0, line.size - 2)
-                local.insert(0, (value - line[k]) / (line[k + 1] - line[k]))
-                cells = cells * self.around + k
+                local.append((value - line[k]) / (line[k + 1] - line[k]))
+                cells = k if line is self.vertices else cells * self.around + k
             yield cells, np.array(local)
 
     def arc(self, outer):
@@ -182,20 +178,6 @@ class Space:
     def nodes(self):
         """Values of s at the quadratic nodes (mesh points and element middles), ascending."""
         return nodes(self.vertices, 2)
-
-
-class Pattern:
-    """The places of a sparse matrix that element matrices fill, found once and used for every tangent."""
-
-    def __init__(self, dofs, size):
-        keys = (dofs[:, None, :] * size + dofs[:, :, None]).ravel()
-        filled, self.entry = np.unique(keys, return_inverse=True)
-        self.indices, self.shape = filled % size, (size, size)
-        self.starts = np.concatenate([[0], np.cumsum(np.bincount(filled // size, minlength=size))])
-
-    def matrix(self, values):
-        """The csc matrix of element matrices [element, local, local], those of shared places added up."""
-        return csc_array((np.bincount(self.entry, weights=values.ravel()), self.indices, self.starts), shape=self.shape)
 
 
 def contributions(name, value, slope, around, r):
@@ -219,8 +201,8 @@ def nodes(points, degree):
 
 
 def gauss_points(directions):
-    """Places [direction, point] and weights, which add up to 1, of a reference element; directions: (phi and) s."""
-    rules = [np.polynomial.legendre.leggauss(n) for n in (GAUSS_PHI, GAUSS_R)[-directions:]]
+    """Places [direction, point] and weights, which add up to 1, of a reference element; directions: s (and phi)."""
+    rules = [np.polynomial.legendre.leggauss(n) for n in (GAUSS_R, GAUSS_PHI)[:directions]]
     places = np.meshgrid(*(0.5 * (1.0 + x) for x, _ in rules), indexing="ij")
     weights = np.meshgrid(*(0.5 * w for _, w in rules), indexing="ij")
     return np.array([place.ravel() for place in places]), np.prod([weight.ravel() for weight in weights], axis=0)

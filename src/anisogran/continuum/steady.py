@@ -10,7 +10,7 @@ import numpy as np
 from anisogran.continuum.grading import graded
 from anisogran.continuum.newton import alternated, newton
 from anisogran.continuum.space import Space
-from anisogran.continuum.walls import columns, equations, slip_signs, sticking, wall_velocity
+from anisogran.continuum.walls import columns, equations, slip_signs, sticking, wall_velocity, with_setting
 from anisogran.outcome import NotConverged
 
 COARSEST = (16, 8)  # elements along the radius and around, below which a mesh is not coarsened
@@ -58,19 +58,20 @@ def started(space, problem, history):
     """The Solution on the coarsest mesh, from nothing, and the influence of the rate floor (see `solved`)."""
     signs = sticking(space)
     x, known = first_guess(space, problem), []
+    system = equations(space, problem, problem.setting(), signs)
     for floor in floors(problem.law, problem.floor):
-        system = equations(space, problem, problem.setting(floor), signs)
+        system = with_setting(system, problem.law, problem.setting(floor))
         if known:
             x = predicted(space, known, floor)
         elif "g" in space.part:
             x = alternated(system, x, history, problem.max_iterations)
-        x = newton(system, x, history, problem.max_iterations)
+        x = newton(system, x, history, problem.max_iterations, balanced=False)
         known.append((floor, x))
     solution = slipped(space, problem, x, signs, history)
     known[-1] = (problem.floor, solution.x)
-    finer = equations(space, problem, problem.setting(0.1 * problem.floor), solution.signs)
+    finer = with_setting(solution.system, problem.law, problem.setting(0.1 * problem.floor))
     try:
-        moved = newton(finer, predicted(space, known, 0.1 * problem.floor), [], problem.max_iterations) - solution.x
+        moved = newton(finer, predicted(space, known, 0.1 * problem.floor), [], problem.max_iterations, balanced=False) - solution.x
     except NotConverged:
         return solution, None
     return solution, norm(space, moved) / norm(space, solution.x)

@@ -1,11 +1,11 @@
 """The discrete equations of a ring flow: the weak balances in the space, and what the walls do to them."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
 
+from anisogran.continuum.assembly import Assembly
 from anisogran.continuum.balance import complex_step, stacked
 from anisogran.continuum.factors import Factors
 
@@ -29,7 +29,12 @@ class System:
     test: Any
     linear: Any
     load: np.ndarray
-    fluidity_unit: float = field(default=0.0)
+    fluidity_unit: float = 0.0
+    assembly: Any = None
+
+    def __post_init__(self):
+        if self.assembly is None:
+            self.assembly = Assembly(self.space.dofs, self.trial, self.test, self.linear)
 
     def reaction(self, x):
         """B^T q, all rows: where the velocity is prescribed, the force of the wall on the grains."""
@@ -41,14 +46,14 @@ class System:
     def factorised(self, x):
         """A sparse factorisation of the tangent; RuntimeError if it is singular."""
         slope = complex_step(self.balance, self.space.points(x), self.space.rows)
-        tangent = self.space.pattern.matrix(self.space.tangents(slope))
-        return Factors(csc_array((self.test @ tangent + self.linear) @ self.trial))
+        return Factors(self.assembly.matrix(self.space.tangents(slope)))
 
     def of_fields(self, names):
         """These equations for some fields alone, with the others held."""
         field_of = np.concatenate([np.full(part.stop - part.start, name in names) for name, part in self.space.part.items()])
         columns = np.flatnonzero(self.trial.T @ field_of > 0)
-        return replace(self, trial=self.trial[:, columns], test=self.test[columns], linear=self.linear[columns], load=self.load[columns])
+        part = {"trial": self.trial[:, columns], "test": self.test[columns], "linear": self.linear[columns], "load": self.load[columns]}
+        return replace(self, **part, assembly=None)
 
     def positive_values(self, x):
         return self.positive(self.space.point(x))
@@ -62,11 +67,12 @@ class System:
         return float(np.max(changes))  # NaN if there is one, unlike the built-in max
 
     def imbalance(self, x):
-        """The largest force left over on a free velocity, in units of the largest reaction of the same component."""
+        """The largest force or torque left over on a free velocity, in units of the largest reaction."""
         reactions, ratios = np.abs(self.reaction(x)), []
         left = np.abs(self.trial @ self.residual(x))
         for name in ("u_r", "u_phi"):
             part = self.space.part[name]
-            unit = max(reactions[part].max(), NO_REACTION * reactions.max())
-            ratios.append(left[part].max() / unit)
+            arm = self.space.place[part] if name == "u_phi" else 1.0
+            unit = max((arm * reactions[part]).max(), NO_REACTION * (arm * reactions.max()).max())
+            ratios.append((arm * left[part]).max() / unit)
         return float(np.max(ratios))

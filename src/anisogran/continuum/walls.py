@@ -1,10 +1,10 @@
 """What the two rings do to the grains: they carry them along, let them slip, and press on them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.sparse import csc_array, lil_array
+from scipy.sparse import csr_array
 
 from anisogran.continuum.balance import balance, stacked
 from anisogran.continuum.system import System
@@ -87,24 +87,43 @@ def equations(space, problem, setting, signs):
     """The System of a ring flow; `signs` says which nodes of Coulomb walls slip (see `sticking`)."""
     law, column = problem.law, columns(space, problem, signs)
     free, number = np.flatnonzero(column >= 0), int(column.max()) + 1
-    trial = csc_array((np.ones(free.size), (free, column[free])), shape=(space.size, number))
-    test, linear, load = lil_array(trial.T), lil_array((number, space.size)), np.zeros(number)
+    test, linear, load = [(column[free], free, np.ones(free.size))], [], np.zeros(number)
     for outer, wall in ((False, problem.inner_wall), (True, problem.outer_wall)):
         places, normal = space.ring("u_phi", outer), space.ring("u_r", outer)
-        rows = column[places]
         if isinstance(wall, NavierSlip):
             strength = wall.viscosity * problem.speed / problem.outer_pressure * space.arc(outer)
-            linear[rows, places] = strength
-            load[rows] = strength * wall_velocity(space, problem, outer)[1]
+            linear.append((column[places], places, strength))
+            load[column[places]] = strength * wall_velocity(space, problem, outer)[1]
         elif isinstance(wall, CoulombSlip):
             slips = signs[outer] != 0  # there the force along phi is friction x normal force, which points inward on the outer ring
-            test[rows[slips], normal[slips]] = wall.friction * signs[outer][slips] * (1.0 if outer else -1.0)
-    press(space, problem, column[space.ring("u_r", outer=True)[0]], test, linear, load)
+            factors = wall.friction * signs[outer][slips] * (1.0 if outer else -1.0)
+            test.append((column[places[slips]], normal[slips], factors))
     if "g" in law.fields:
         places = space.ring("g", outer=False)
-        linear[column[places], places] = law.wall_exchange(setting) / setting.inner * space.arc(outer=False)
+        linear.append((column[places], places, law.wall_exchange(setting) / setting.inner * space.arc(outer=False)))
+    moves = column[space.ring("u_r", outer=True)[0]]
+    if problem.outer == "pressure":
+        load[moves] = -space.vertices[-1] * space.radians
+    else:  # grains of constant density let the outer ring stay where it is in any case
+        test[0] = tuple(part[column[free] != moves] for part in test[0])
+        mean = space.residual(stacked({"p": 1.0}, space.rows, space.r))
+        linear.append((np.full(space.size, moves), np.arange(space.size), mean))
+        load[moves] = space.weight.sum()
+    trial = sparse([(free, column[free], np.ones(free.size))], (space.size, number))
+    test, linear = sparse(test, (number, space.size)), sparse(linear, (number, space.size))
+    return with_setting(System(space, None, None, trial, test, linear, load), law, setting)
+
+
+def with_setting(system, law, setting):
+    """The same equations with another rate floor."""
     forms, positive = partial(balance, law, setting), partial(law.positive, setting=setting)
-    return System(space, forms, positive, trial, test.tocsr(), linear.tocsr(), load, fluidity_unit=AT_REST * setting.rate_floor)
+    return replace(system, balance=forms, positive=positive, fluidity_unit=AT_REST * setting.rate_floor)
+
+
+def sparse(entries, shape):
+    """The csr matrix of [(rows, columns, values), ...]."""
+    rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True)) if entries else ([], [], [])
+    return csr_array((values, (rows, columns)), shape=shape)
 
 
 def columns(space, problem, signs):
@@ -118,15 +137,3 @@ def columns(space, problem, signs):
     out[out == 0] = np.arange(np.count_nonzero(out == 0))
     out[space.ring("u_r", outer=True)] = out[space.ring("u_r", outer=True)[0]]
     return out
-
-
-def press(space, problem, row, test, linear, load):
-    """The equation of the radial motion of the outer ring: it bears the outer pressure, or that is the mean pressure of the grains.
-
-    Grains of constant density let it stay where it is in both cases.
-    """
-    if problem.outer == "pressure":
-        load[row] = -space.vertices[-1] * space.radians
-        return
-    mean = space.residual(stacked({"p": 1.0}, space.rows, space.r))
-    test[row], linear[row], load[row] = 0.0, mean, space.weight.sum()
