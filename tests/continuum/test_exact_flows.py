@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
-from anisogran.continuum import LocalMuI, Nonlocal, RingFlow, local_mu_i, newtonian_couette
+from anisogran.continuum import Jop, LocalMuI, Nonlocal, Regularised, RingFlow, local_mu_i, newtonian_couette
 from anisogran.continuum.exact import local_speed, local_stress_ratio
-from anisogran.continuum.laws import shear_rate, viscous
+from anisogran.continuum.laws.coaxial import shear_rate, viscous
 
 LAW = LocalMuI(mu_s=0.26, b=1.0)
 
@@ -19,6 +21,7 @@ class Newtonian:
     viscosity: float
     fields = ("u_r", "u_phi", "p")
     first_floor, floor_factor, floor = 1e-4, 0.1, 1e-4
+    valid_to = np.inf
 
     def layer(self, setting):
         return 1.0
@@ -89,6 +92,33 @@ def test_error_of_the_local_law_falls_with_the_mesh_down_to_its_floor():
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert np.all((orders > 1.7) & (orders < 2.6)), (errors, orders)  # 3 where smooth, but u'' jumps at the edge of the layer: 2
     assert local_error(elements=64, rate_floor=1e-6) < 2e-5  # measured 1.0e-5; the floor alone gives 4e-6
+
+
+def quadrature_speed(r, stress_ratio, law, r_inner=13.0, r_outer=33.0):
+    """v_phi(r) of any local law that is at rest below a stress ratio: r times the integral of I d ln r, with mu falling as 1/r^2."""
+
+    def inertial_number(mu):
+        if mu <= law.friction(1e-12):
+            return 0.0
+        return np.exp(brentq(lambda log_I: law.friction(np.exp(log_I)) - mu, np.log(1e-12), np.log(1e6), xtol=1e-15))
+
+    mu = stress_ratio * (r_inner / r) ** 2
+    low = max(stress_ratio * (r_inner / r_outer) ** 2, law.friction(1e-12))
+    return 0.5 * r * quad(lambda y: inertial_number(y) / y, min(low, mu), mu, epsabs=0.0, epsrel=1e-10, limit=400)[0]
+
+
+@pytest.mark.parametrize("law", [Jop(0.342, 0.557, 0.069), Regularised(0.342, 0.557, 0.069)], ids=["jop", "regularised"])
+def test_other_local_laws_against_quadrature(law):
+    """The error is that of the rate floor and falls with it."""
+    ratio, r = 0.42, np.linspace(13.0, 15.0, 9)
+    exact = np.array([quadrature_speed(one, ratio, law) for one in r])
+    errors = []
+    for floor in (1e-2, 1e-3, 1e-4):
+        flow = RingFlow(13.0, 33.0, law, exact[0], 1.0, elements=128, rate_floor=floor).solve()
+        errors.append(np.max(np.abs(flow.at(r).v_phi - exact)) / exact[0])
+    assert flow.stress_ratio_wall == pytest.approx(ratio, abs=2e-5)
+    assert errors[2] < 1e-3, errors
+    assert errors[0] > 5.0 * errors[1] > 20.0 * errors[2], errors
 
 
 @pytest.mark.parametrize("wall_speed", [1e-5, 1e-2, -0.3, 3.0])

@@ -2,7 +2,7 @@
 
 from anisogran.continuum.exact import local_mu_i, newtonian_couette
 from anisogran.continuum.flow import Flow, Profile
-from anisogran.continuum.laws import LocalMuI, Nonlocal
+from anisogran.continuum.laws import LAWS, Jop, LocalMuI, Nonlocal, Regularised
 from anisogran.continuum.ring import RingFlow
 
-__all__ = ["Flow", "LocalMuI", "Nonlocal", "Profile", "RingFlow", "local_mu_i", "newtonian_couette"]
+__all__ = ["LAWS", "Flow", "Jop", "LocalMuI", "Nonlocal", "Profile", "Regularised", "RingFlow", "local_mu_i", "newtonian_couette"]

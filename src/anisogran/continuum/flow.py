@@ -63,8 +63,10 @@ class Flow:
 
     `stress_ratio_wall` = shear force over normal force on the inner ring, from the reactions; `slip`, the Slip at both rings;
     `wall_force[2]`, of the grains on the inner ring, across and along the line of centres, (x, y) with x towards phi = 0 (force;
-    0 if the rings are concentric). `status` (see outcome.Status) must be read; `iterations` of all stages; `history`, the
-    relative size of each correction; `seconds` of wall time.
+    0 if the rings are concentric). `ill_posed_share`: of the area, where a flow in time under this law would be ill posed
+    (C(I) > 0, see `models.well_posedness`), which a slow flow is almost everywhere and a steady one need not mind; None for a
+    nonlocal law, to which that C(I) does not apply. `status` (see outcome.Status) must be read; `iterations` of all stages;
+    `history`, the relative size of each correction; `seconds` of wall time.
     """
 
     r: np.ndarray
@@ -78,6 +80,7 @@ class Flow:
     torques: Torques
     slip: Slip
     wall_force: np.ndarray
+    ill_posed_share: float | None
     status: Status
     iterations: int
     history: tuple[float, ...]

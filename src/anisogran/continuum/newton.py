@@ -29,7 +29,9 @@ def longest(system, x, step):
 
 
 def correction(system, x, history):
-    """The Newton step and the factorisation it came from; NotConverged if the tangent is singular."""
+    """The Newton step and the factorisation it came from; NotConverged at the edge of the domain of the law, or if it is singular."""
+    if not all(np.all(value > 0.0) for value in system.positive_values(x)):
+        raise NotConverged("continuum: pressure or fluidity falls to 0 somewhere, where a law has no answer", history, x)
     try:
         factors = system.factorised(x)
     except RuntimeError as trouble:

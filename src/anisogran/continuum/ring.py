@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from anisogran.continuum.balance import Setting
+from anisogran.continuum.doubts import between_mesh_points, beyond_the_law, ill_posed_share
 from anisogran.continuum.flow import Flow, inner_wall, mean_fields, slip, torques
 from anisogran.continuum.laws import check_law
 from anisogran.continuum.steady import solved
 from anisogran.continuum.walls import check_wall
 from anisogran.outcome import InputError, Status, checked
 
-LINEAR_LAW_RANGE = 0.2  # inertial number above which mu_s + b I is not supported by data (da Cruz et al. 2005; from memory)
 MOST_ELEMENTS = 20000  # some 10 s and half a gigabyte on a line
 TORQUE_WARNING = 1e-8  # relative difference of the two torques
 CREEP_WARNING = 0.01  # relative change of v_phi with a tenth of the rate floor
@@ -29,7 +29,7 @@ CREEP_WARNING = 0.01  # relative change of v_phi with a tenth of the rate floor
 class RingFlow:
     """Steady flow of grains between an inner ring turning with `wall_speed` (m/s, counter-clockwise positive) and an outer ring.
 
-    `r_inner`, `r_outer` (m); `law`, a LocalMuI or Nonlocal; `outer_pressure` (N/m); `grain_diameter` (m) and `grain_mass` (kg),
+    `r_inner`, `r_outer` (m); `law`, one of continuum.LAWS; `outer_pressure` (N/m); `grain_diameter` (m) and `grain_mass` (kg),
     means. `outer_speed` (m/s) of the outer ring. `inertia=True` adds advection, such as the centrifugal load, and needs
     `areal_density` (kg/m^2), the mass of grains on an area: area fraction x 4 grain_mass / (pi grain_diameter^2) for discs.
 
@@ -149,7 +149,7 @@ class RingFlow:
         return number
 
     def solve(self):
-        """The Flow; its status is "warned" if the answer depends on the rate floor or leaves the range of the linear law.
+        """The Flow; its status is "warned" if the answer depends on the rate floor or the mesh, or leaves the range of the law.
 
         Raises NotConverged, with the history of corrections and the best iterate, if there is no solution or none is found, for
         example when the centrifugal load is as large as the outer pressure.
@@ -172,6 +172,7 @@ class RingFlow:
             inertial_number=profile.inertial_number,
             stress_ratio_wall=ratio,
             torques=balance_of_torques,
+            ill_posed_share=ill_posed_share(self.law, space.point(x), space.weight, self.setting()),
             slip=slip(self, space, x),
             wall_force=force,
             status=self._status(profile, balance_of_torques, change),
@@ -184,16 +185,13 @@ class RingFlow:
         )
 
     def _status(self, profile, torques, change):
-        """What a user should doubt: range of the law, torque balance, influence of the rate floor."""
+        """What a user should doubt: torque balance, range of the law, mesh, influence of the rate floor."""
         status = Status()
         if torques.difference > TORQUE_WARNING and self.eccentricity == 0.0:
             share = f"{torques.difference:.1g}"
             status = status.warn(f"the torques on the rings differ by {share}: rounding, or with inertia a coarse mesh")
-        fastest = int(np.argmax(profile.inertial_number))
-        highest = profile.inertial_number[fastest]
-        if highest > LINEAR_LAW_RANGE:
-            where = f"reaches {highest:.2g} at r = {profile.r[fastest]:g}"
-            status = status.warn(f"the inertial number {where}; the linear law is meant for I <= {LINEAR_LAW_RANGE}")
+        status = beyond_the_law(status, self.law, profile)
+        status = between_mesh_points(status, profile.r[::2], profile.v_phi[::2], self.speed)
         if change is None:
             return status.warn("no solution with a tenth of the rate floor: its influence is not known")
         if change > CREEP_WARNING:

@@ -23,7 +23,7 @@ from anisogran.models.mohr_coulomb import (
     stress_circles,
     total_friction_line,
 )
-from anisogran.models.mu_of_i import I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
+from anisogran.models.mu_of_i import LINEAR_LIMIT, I_linear, I_of_mu, mu_linear, mu_of_I, within_linear_range
 from anisogran.models.regularisation import mu_regularised
 from anisogran.models.scalar import ScalarParameters, softening
 from anisogran.models.shear_kinematics import (
@@ -39,6 +39,7 @@ from anisogran.models.update import PointState, Updated, updated
 __all__ = [
     "INTEGRATORS",
     "LAWS",
+    "LINEAR_LIMIT",
     "CriticalFlow",
     "ElementTest",
     "Explicit",
