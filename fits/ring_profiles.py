@@ -57,6 +57,10 @@ def balances(cell):
     return float(np.std(torque) / np.mean(torque)), float(np.sqrt(np.mean((hoop - stress[1, 1]) ** 2)) / cell["pressure"])
 
 
+def symbol(name):
+    return f"${ag.glossary.GLOSSARY[name].symbol}$"
+
+
 def weighted(profiles, name):
     """Mean over the shear zone by the errors, and its standard error; in degrees."""
     used = profiles.depth.values < NEAR
@@ -137,8 +141,8 @@ def draw(found):
         f"4 {label('fabric_deviator')}": (rings.depth.values, 4 * rings.fabric_deviator.values, 4 * rings.fabric_deviator_error.values),
     }
     trace, names = rings.fabric_trace.values, ("bulk_modulus", "shear_modulus")
-    moduli = {label(name): (trace, rings[name].values, rings[f"{name}_error"].values) for name in names}
-    angles = {label(name): (rings.depth.values, *(np.degrees(rings[key].values) for key in (name, f"{name}_error"))) for name in ANGLES}
+    moduli = {symbol(name): (trace, rings[name].values, rings[f"{name}_error"].values) for name in names}
+    angles = {symbol(name): (rings.depth.values, *(np.degrees(rings[key].values) for key in (name, f"{name}_error"))) for name in ANGLES}
     panels = [
         panel(label("area_fraction"), profile("area_fraction"), from_zero=False),
         panel(label("v_phi"), profile("v_phi"), log="y"),

@@ -17,10 +17,12 @@ from anisogran.comparison.measures import (
 )
 from anisogran.comparison.pairing import Comparison, compare, ring_flow, wall_stress_ratio
 from anisogran.comparison.prediction import RIVALS, Frozen, frozen, predictions
+from anisogran.comparison.rotation import Asymmetry, asymmetry, spin_length
 from anisogran.comparison.studies import study_runs
 
 __all__ = [
-    "RIVALS", "Calibration", "Comparison", "Frozen", "Measured", "best_exponential", "compare", "decay_length", "decay_length_error",
-    "equilibrium", "exponential_fit", "fitted_amplitude", "fitted_wall", "frozen", "homogeneous_friction", "log_rms", "measured", "near_l2",
-    "predictions", "relative_l2", "resolved", "ring_edges", "ring_flow", "study_runs", "wall_stress_ratio",
+    "RIVALS", "Asymmetry", "Calibration", "Comparison", "Frozen", "Measured", "asymmetry", "best_exponential", "compare", "decay_length",
+    "decay_length_error", "equilibrium", "exponential_fit", "fitted_amplitude", "fitted_wall", "frozen", "homogeneous_friction", "log_rms",
+    "measured", "near_l2", "predictions", "relative_l2", "resolved", "ring_edges", "ring_flow", "spin_length", "study_runs",
+    "wall_stress_ratio",
 ]  # fmt: skip

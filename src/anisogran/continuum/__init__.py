@@ -1,8 +1,24 @@
 """The ring shear cell as a continuum; the only room that uses the finite element library scikit-fem."""
 
+from anisogran.continuum.couple_stress import Spin, SpinEquation, SpinProfile, spin
 from anisogran.continuum.exact import local_mu_i, newtonian_couette
 from anisogran.continuum.flow import Flow, Profile
 from anisogran.continuum.laws import LAWS, Jop, LocalMuI, Nonlocal, Regularised
 from anisogran.continuum.ring import RingFlow
 
-__all__ = ["LAWS", "Flow", "Jop", "LocalMuI", "Nonlocal", "Profile", "Regularised", "RingFlow", "local_mu_i", "newtonian_couette"]
+__all__ = [
+    "LAWS",
+    "Flow",
+    "Jop",
+    "LocalMuI",
+    "Nonlocal",
+    "Profile",
+    "Regularised",
+    "RingFlow",
+    "Spin",
+    "SpinEquation",
+    "SpinProfile",
+    "local_mu_i",
+    "newtonian_couette",
+    "spin",
+]
