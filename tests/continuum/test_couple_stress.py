@@ -107,6 +107,17 @@ def test_mesh_points_have_no_twins():
     assert (points[0], points[-1]) == (1.0, 3.0)
 
 
+def test_mesh_and_rings_of_the_flow():
+    """A flow on r and phi gives what that on a line gives; grains between rings that turn alike turn like them."""
+    problem = RingFlow(13.0, 33.0, Nonlocal(0.26, 1.0, 0.9), 1e-2, 1.0, elements=32, elements_around=8)
+    line, plane = (spin(replace(problem, dimension=dimension).solve(), 1.0, inner="ring") for dimension in (1, 2))
+    np.testing.assert_allclose(plane.spin, line.spin, atol=1e-6 * np.abs(line.spin).max())
+    solid = RingFlow(13.0, 33.0, LocalMuI(0.26, 1.0), 1.3, 1.0, outer_speed=3.3).solve()
+    np.testing.assert_allclose(spin(solid, 1.0, inner="ring", outer="ring").spin, 0.1, rtol=1e-6)
+    with pytest.raises(InputError, match=r"eccentricity = 0\.5 m"):
+        spin(replace(problem, dimension=2, eccentricity=0.5).solve(), 1.0)
+
+
 def test_bad_input_is_named(flow):
     for arguments, message in (
         ((flow, 0.0), r"spin: length = 0 must be at least 0\.02 m"),

@@ -126,15 +126,18 @@ def spin(flow, length, inner=None, outer=None):
     `inner`, `outer`: what happens at the rings. None: no couple, d omega_p/dr = 0. "ring": the grains turn with the ring. A number: the
     eigen-rotation omega_p - W there, in 1/s. Error: of third order in the mesh of the flow (in L2).
 
-    Raises InputError for a length below a thousandth of the gap, another condition, or what is no Flow.
+    Raises InputError for a length below a thousandth of the gap, another condition, a flow between eccentric
+    rings, or what is no Flow.
     """
     if not isinstance(flow, Flow):
         raise InputError(f"spin: the flow is a {type(flow).__name__}; it must be what RingFlow(...).solve() returns")
     problem = flow.problem
+    if problem.eccentricity > 0.0:
+        raise InputError(f"spin: eccentricity = {problem.eccentricity:g} m: the spin is solved in axisymmetric flows only")
     length = checked("spin", "length", length, at_least=SHORTEST * problem.gap, unit="m")
     equation = SpinEquation(mesh_points(flow.r), lambda r: continuum_spin(flow.at(r)))
     continuum = continuum_spin(flow.at(equation.r))
-    speeds = problem.wall_speed / problem.r_inner, getattr(problem, "outer_speed", 0.0) / problem.r_outer
+    speeds = problem.wall_speed / problem.r_inner, problem.outer_speed / problem.r_outer
     given = [
         spin_at_ring(key, condition, ring, around)
         for key, condition, ring, around in zip(("inner", "outer"), (inner, outer), speeds, continuum[[0, -1]], strict=True)
