@@ -176,3 +176,22 @@ def test_laws_at_a_point_are_timed_beside_their_errors(capsys, tmp_path):
         if law in ("scalar", "tensorial"):
             assert numbers[f"{law}_rk45_error"] < 1e-3 * numbers[f"{law}_midpoint_error"] < 1e-4 * numbers[f"{law}_explicit_error"]
     assert "tensorial_midpoint_million_per_s" in capsys.readouterr().out
+
+
+def test_ring_flows_are_timed_beside_their_errors(capsys, tmp_path):
+    """Small in 2D: the errors are those of this mesh, a tenth of the default one, and of the rate floor of the local law."""
+    arguments = ["--along", "16", "--around", "8", "--repeats", "1", "--json", str(tmp_path / "c.json")]
+    with pytest.raises(SystemExit) as end:
+        cli.main(["bench", "continuum", *arguments])
+    assert end.value.code == 0
+    numbers = json.loads((tmp_path / "c.json").read_text())
+    assert numbers["nonlocal_2d_unknowns"] == 3 * 33 * 16 + 17 * 8  # three quadratic fields and a linear one
+    assert 1e-5 < numbers["local_1d_error"] < 5e-4  # 3.7e-4
+    assert 1e-6 < numbers["nonlocal_1d_error"] < 1e-5  # 4e-6
+    assert 1e-5 < numbers["nonlocal_2d_error"] < 1e-3
+    for flow in ("local_1d", "nonlocal_1d", "nonlocal_2d"):
+        assert numbers[f"{flow}_stress_ratio_error"] < 1e-4
+    for flow in ("local_1d", "nonlocal_1d", "nonlocal_2d", "eccentric_2d"):
+        assert numbers[f"{flow}_s"] > 0.0
+        assert numbers[f"{flow}_processor_s"] > 0.0
+        assert numbers[f"{flow}_iterations"] > 2

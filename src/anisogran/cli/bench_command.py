@@ -65,6 +65,19 @@ def bench_models(
     tell(json_file, lambda: models_benchmark(points, repeats))
 
 
+@bench.command("continuum")
+def bench_continuum(
+    along: Annotated[int, typer.Option(help="Elements along the radius in 2D.", min=2, max=400)] = 48,
+    around: Annotated[int, typer.Option(help="Elements around in 2D.", min=4, max=400)] = 60,
+    repeats: Annotated[int, typer.Option(help="Runs in 1D that are timed; the median is told.", min=1)] = 5,
+    json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
+):
+    """Steady ring flows on a line and in 2D: seconds from nothing, unknowns, iterations, each beside its error."""
+    from anisogran.benchmark import continuum_benchmark
+
+    tell(json_file, lambda: continuum_benchmark(along, around, repeats))
+
+
 def tell(json_file, benchmark):
     """Runs the benchmark and prints its numbers (a dict), as JSON too if a file is given, which is tried before any work is done."""
     if json_file is not None:
