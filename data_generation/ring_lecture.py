@@ -5,8 +5,8 @@
 "lecture" is RingShearVolume as it is by default: pressure against turns in the series, profiles of the last two turns, snapshots before the
 first turn and after two and three. Its density is not steady, and with it the pressure; `relative_stress` in the profiles is over the
 pressure on the inner ring in the same quarter of a turn. "smooth" is the cell of ring_reference.py with small touching discs on both rings,
-at which grains roll in layers. Four runs, about twenty minutes on one core; it can be stopped and goes on. --quick makes a rough
-version in seconds.
+at which grains roll in layers. Three runs, about ten minutes on one core; it can be stopped and goes on. --quick makes a rough version in
+seconds.
 """
 
 import argparse
@@ -27,12 +27,15 @@ def main(arguments=None):
     parser.add_argument("--workers", type=int)
     parser.add_argument("--quick", action="store_true")
     options = parser.parse_args(arguments)
-    lecture, smooth, seeds = LECTURE, SMOOTH, [1, 2]
+    sweeps = {
+        "smooth": (RingShear(**SMOOTH), {"seed": [1, 2]}),
+        "lecture": (RingShearVolume(**LECTURE), {"seed": [1]}),
+    }
     if options.quick:
-        smooth = SMOOTH | RingShear.quick | {"travel": 6.0}
-        lecture, seeds = LECTURE | RingShearVolume.quick | {"travel": 8.0, "block": 1.0}, [1]
-    scenes = {"lecture": RingShearVolume(**lecture), "smooth": RingShear(**smooth)}
-    sweeps = {name: (scene, {"seed": seeds}) for name, scene in scenes.items()}
+        sweeps = {
+            "smooth": (RingShear(**SMOOTH | RingShear.quick | {"travel": 6.0}), {"seed": [1]}),
+            "lecture": (RingShearVolume(**LECTURE | RingShearVolume.quick | {"travel": 8.0, "block": 1.0}), {"seed": [1]}),
+        }
     return study(options.file, sweeps, SERIES, workers=options.workers, beside=BESIDE, snapshots=["start", "end"])
 
 

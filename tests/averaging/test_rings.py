@@ -6,7 +6,7 @@ import xarray as xr
 from clusters import make
 
 from anisogran import average
-from anisogran.averaging import Rings, drift, field_values, mean_and_error
+from anisogran.averaging import Rings, chance_drift, drift, field_values, mean_and_error
 from anisogran.averaging.densities import densities
 from anisogran.averaging.overlap_areas import disc_in_circle, ring_shares
 from anisogran.snapshot import Snapshot
@@ -251,3 +251,13 @@ def test_drift_is_measured_in_standard_errors(rng):
     assert abs(drift(steady)) < 3.5
     assert drift(steady + np.linspace(0, 5, 100)) > 5
     assert drift(np.ones(10)) == 0.0
+
+
+def test_a_drift_that_chance_makes():
+    """The two-sided quantile of Student's t with as many degrees of freedom as both halves have; fewer than four values tell nothing."""
+    assert chance_drift(6) == pytest.approx(4.604, abs=1e-3)  # tables: 4 degrees of freedom, 1 %
+    assert chance_drift(12, chance=0.05) == pytest.approx(2.228, abs=1e-3)  # 10 degrees of freedom
+    assert chance_drift(3) == np.inf
+    records = np.random.default_rng(1).normal(size=(4000, 8))
+    exceeding = np.mean([abs(drift(record)) > chance_drift(8) for record in records])
+    assert exceeding == pytest.approx(0.01, abs=0.005)  # of 4000

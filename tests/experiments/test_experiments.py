@@ -343,12 +343,20 @@ def test_the_rate_of_shear_is_said_once():
 
 
 def test_blocks_hold_ratios_of_means():
-    """Two samples a block with pressures 1 and 3: stress ratios count as shear stresses do."""
-    series = xr.Dataset({"pressure": ("time", [1.0, 3.0] * 2), "stress_ratio": ("time", [0.1, 0.5] * 2), "s_D": ("time", [0.2, 0.6] * 2)})
+    """Two samples a block with pressures 1 and 3: stress ratios count as shear stresses do, angles are those of the mean tensors."""
+    columns = {
+        "pressure": [1.0, 3.0], "stress_ratio": [0.1, 0.5], "s_D": [0.2, 0.6], "sigma_xx": [1.0, 3.0], "sigma_yy": [1.0, 3.0],
+        "sigma_xy": [-0.1, -1.5], "fabric_xx": [2.0, 2.2], "fabric_yy": [1.6, 1.8], "fabric_xy": [-0.3, -0.1],
+    }  # fmt: skip
+    series = xr.Dataset({name: ("time", values * 2) for name, values in columns.items()})
     blocks = simple_shear.blocks_of(series.assign(strain=("time", [0.0, 0.1, 0.2, 0.3])))
     np.testing.assert_allclose(blocks.stress_ratio, [0.4, 0.4])
     np.testing.assert_allclose(blocks.s_D, [0.5, 0.5])
     np.testing.assert_allclose(blocks.pressure, [2.0, 2.0])
+    np.testing.assert_allclose(np.degrees(blocks.stress_angle), -45.0)
+    np.testing.assert_allclose(np.degrees(blocks.rate_to_stress_angle), 0.0, atol=1e-12)  # the flow presses along -45 degrees
+    np.testing.assert_allclose(np.degrees(blocks.fabric_angle), -22.5)  # of (0.4, -0.4)
+    np.testing.assert_allclose(np.degrees(blocks.rate_to_fabric_angle), 22.5)
 
 
 def test_progress_is_reported():

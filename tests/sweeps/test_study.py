@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import anisogran as ag
+from anisogran.files import read_snapshot
 from anisogran.sweeps.study import in_single_precision
 
 SCENE = ag.SimpleShear(n=60, strain=0.6, discard=0.05, inertial_number=0.2, frames=0)
@@ -33,3 +34,23 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path):
     series = ag.SimpleShear(**{**SCENE.model_dump(), "strain": 0.55}).run().series
     with pytest.raises(ag.InputError, match=r"study: sigma_zz is not recorded; there are anisotropy, area_fraction"):
         in_single_precision(series, ["s_D", "sigma_zz"])
+
+
+def test_whole_groups_and_snapshots_are_kept_when_asked_for(tmp_path):
+    """Of a ring: profiles, blocks and tables in single precision, and the last snapshot of each case, which can be averaged again."""
+    scene = ag.RingShear(n=150, inner_radius=3.0, travel=2.0, discard=0.5, block=0.5, frames=0)
+    beside = ["profiles", "blocks", "circles"]
+    ag.study(tmp_path / "ring.h5", {"one": (scene, {"seed": [1]})}, ["turns"], workers=1, beside=beside, snapshots=["end"])
+    kept, run = ag.open(tmp_path / "ring.h5"), ag.open(tmp_path / "ring" / "one" / "seed_1" / "results.h5")
+    assert set(kept["one"].children) == {"cases", "series", *beside, "snapshots"}
+    for group, name in (("profiles", "v_phi"), ("blocks", "stress"), ("circles", "cut_pressure_error")):
+        values = kept[f"one/{group}"][name]
+        assert values.dtype == np.float32
+        np.testing.assert_array_equal(values.sel(seed=1), run[group][name].astype(np.float32))
+    end = read_snapshot(kept["one/snapshots/seed_1/end"])
+    assert end.pairs.dtype == np.int64
+    np.testing.assert_array_equal(end.position, run["snapshots/end"].position.astype(np.float32))
+    with pytest.raises(ag.InputError, match="study: layer is not recorded; there are cases, series, profiles, blocks"):
+        ag.study(tmp_path / "ring.h5", {"one": (scene, {"seed": [1]})}, ["turns"], workers=1, beside=["layer"])
+    with pytest.raises(ag.InputError, match="study: snapshots/last is not recorded"):
+        ag.study(tmp_path / "ring.h5", {"one": (scene, {"seed": [1]})}, ["turns"], workers=1, snapshots=["last"])

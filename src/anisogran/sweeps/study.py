@@ -48,9 +48,10 @@ def study(file, sweeps, variables, workers=None, beside=(), snapshots=()):
 
 def named(tree, group):
     """That group of a DataTree. Raises InputError for one that it has not."""
-    if group not in tree:
-        raise InputError(f"study: {group} is not recorded; there are {', '.join(tree.children)}")
-    return tree[group]
+    try:
+        return tree[group]
+    except KeyError:
+        raise InputError(f"study: {group} is not recorded; there are {', '.join(tree.children)}") from None
 
 
 def in_single_precision(data, variables=None):
