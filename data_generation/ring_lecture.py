@@ -2,19 +2,19 @@
 
     python data_generation/ring_lecture.py ring_lecture.h5 [--quick]
 
-"lecture" is RingShearVolume as it is by default: pressure against turns in the series, profiles of the last two turns, snapshots before the
-first turn and after two and three. Its density is not steady, and with it the pressure; `relative_stress` in the profiles is over the
-pressure on the inner ring in the same quarter of a turn. "smooth" is the cell of ring_reference.py with small touching discs on both rings,
-at which grains roll in layers. Three runs, about ten minutes on one core; it can be stopped and goes on. --quick makes a rough version in
-seconds.
+"lecture" is RingShearVolume as it is by default: pressure against turns in the series, profiles of the last two turns, snapshots before
+the first turn and after the third. Its density is not steady, and with it the pressure; `relative_stress` in the profiles is over the
+pressure on the inner ring in the same quarter of a turn. "smooth" is the cell of ring_reference.py with small touching discs on both
+rings, at which grains roll in layers. Three runs, about ten minutes on one core; it can be stopped and goes on. --quick makes a rough
+version in seconds.
 """
 
 import argparse
 
 from anisogran import RingShear, RingShearVolume, study
 
-LECTURE = {"frames": 2}
-SMOOTH = {"wall_disc": 0.25, "wall_spacing": 0.25, "travel": 140.0, "discard": 40.0, "frames": 2}
+LECTURE = {"frames": 0}
+SMOOTH = {"wall_disc": 0.25, "wall_spacing": 0.25, "travel": 140.0, "discard": 40.0, "frames": 0}
 SERIES = [
     "turns", "wall_shear_stress", "wall_pressure", "outer_radius", "outer_pressure", "outer_shear_stress", "kinetic_energy",
 ]  # fmt: skip
