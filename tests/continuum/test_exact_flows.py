@@ -1,42 +1,15 @@
 """The ring solver against exact flows: Newtonian, local mu(I), thin gap, rigid rotation."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
+from newtonian import Newtonian
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from anisogran.continuum import Jop, LocalMuI, Nonlocal, Regularised, RingFlow, local_mu_i, newtonian_couette
 from anisogran.continuum.exact import local_speed, local_stress_ratio
-from anisogran.continuum.laws.coaxial import shear_rate, viscous
 
 LAW = LocalMuI(mu_s=0.26, b=1.0)
-
-
-@dataclass(frozen=True)
-class Newtonian:
-    """A law written here from scratch: what a new law needs is all in this class. The viscosity is reduced, in P gap/|V|."""
-
-    viscosity: float
-    fields = ("u_r", "u_phi", "p")
-    first_floor, floor_factor, floor = 1e-4, 0.1, 1e-4
-    valid_to = np.inf
-
-    def layer(self, setting):
-        return 1.0
-
-    def elements(self, layers, setting):
-        return 32
-
-    def positive(self, point, setting):
-        return (point.p,)
-
-    def stress(self, point, setting):
-        return viscous(point, self.viscosity)
-
-    def rate(self, point, setting, deviator):
-        return shear_rate(point)
 
 
 def relative_error(r, found, exact):

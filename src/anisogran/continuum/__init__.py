@@ -5,12 +5,15 @@ from anisogran.continuum.exact import local_mu_i, newtonian_couette
 from anisogran.continuum.flow import Flow, Profile
 from anisogran.continuum.laws import LAWS, Jop, LocalMuI, Nonlocal, Regularised
 from anisogran.continuum.ring import RingFlow
+from anisogran.continuum.walls import CoulombSlip, NavierSlip
 
 __all__ = [
     "LAWS",
+    "CoulombSlip",
     "Flow",
     "Jop",
     "LocalMuI",
+    "NavierSlip",
     "Nonlocal",
     "Profile",
     "Regularised",

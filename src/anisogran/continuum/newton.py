@@ -15,7 +15,7 @@ SHORTEST = 2.0**-14  # damping below which the search is given up
 CHORD = 0.1  # contraction that is worth another step with an old factorisation
 BOUNDARY = 0.1  # share of its value that a positive quantity keeps in one step, at least
 ROUNDS, NEAR = 30, 0.01  # of Picard, at most; the change at which Newton takes over (0.05 failed in 6 of 240 cases, 0.02 in none)
-SLOW, WINDOW = 0.99, 10  # stagnation: the best correction falls by less than 1 % in so many iterations
+SLOW, WINDOW = 0.99, 25  # stagnation: the best correction falls by less than 1 % in so many iterations
 
 
 def longest(system, x, step):

@@ -47,6 +47,11 @@ def check_wall(key, wall):
     return wall
 
 
+def wall_of(problem, outer):
+    """The wall of the inner or the outer ring."""
+    return problem.outer_wall if outer else problem.inner_wall
+
+
 def wall_velocity(space, problem, outer):
     """Reduced u_r and u_phi of a ring at its nodes, by angle; the inner one turns about its own centre."""
     angle = space.angle[space.ring("u_phi", outer)]
@@ -73,7 +78,7 @@ def slip_signs(space, problem, x, reaction, signs):
     out = {}
     for outer, before in signs.items():
         out[outer] = before
-        wall = problem.outer_wall if outer else problem.inner_wall
+        wall = wall_of(problem, outer)
         if isinstance(wall, CoulombSlip):
             force = reaction[space.ring("u_phi", outer)]
             most = wall.friction * np.abs(reaction[space.ring("u_r", outer)])
@@ -88,7 +93,8 @@ def equations(space, problem, setting, signs):
     law, column = problem.law, columns(space, problem, signs)
     free, number = np.flatnonzero(column >= 0), int(column.max()) + 1
     test, linear, load = [(column[free], free, np.ones(free.size))], [], np.zeros(number)
-    for outer, wall in ((False, problem.inner_wall), (True, problem.outer_wall)):
+    for outer in (False, True):
+        wall = wall_of(problem, outer)
         places, normal = space.ring("u_phi", outer), space.ring("u_r", outer)
         if isinstance(wall, NavierSlip):
             strength = wall.viscosity * problem.speed / problem.outer_pressure * space.arc(outer)
@@ -131,7 +137,8 @@ def columns(space, problem, signs):
     out = np.zeros(space.size, dtype=int)
     out[space.ring("u_r", outer=False)] = -1
     out[space.ring("u_r", outer=True)[1:]] = -1
-    for outer, wall in ((False, problem.inner_wall), (True, problem.outer_wall)):
+    for outer in (False, True):
+        wall = wall_of(problem, outer)
         if not isinstance(wall, NavierSlip):
             out[space.ring("u_phi", outer)[signs[outer] == 0]] = -1
     out[out == 0] = np.arange(np.count_nonzero(out == 0))

@@ -1,0 +1,110 @@
+"""The mesh in r and phi: the flow on a line again, and rings that are not concentric."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from newtonian import Newtonian
+
+from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
+from anisogran.continuum.space import Space
+from anisogran.outcome import InputError
+
+LOCAL, NONLOCAL = LocalMuI(0.26, 1.0), Nonlocal(0.26, 1.0, 0.9)
+ECCENTRIC = RingFlow(6.0, 15.0, NONLOCAL, 0.04, 1.0, dimension=2, eccentricity=3.0, elements=24, elements_around=24)
+
+
+@pytest.fixture(scope="module")
+def eccentric():
+    return ECCENTRIC.solve()
+
+
+@pytest.mark.parametrize("law", [LOCAL, NONLOCAL])
+@pytest.mark.parametrize("inertia", [False, True])
+def test_an_axisymmetric_flow_is_that_of_the_line(law, inertia):
+    """The elements are products of those of the line, with the same points along r: equal to rounding, far below 1e-5."""
+    line = RingFlow(13.0, 33.0, law, 0.3, 1.0, elements=16, inertia=inertia, areal_density=0.8)
+    one, two = line.solve(), replace(line, dimension=2, elements_around=8).solve()
+    np.testing.assert_allclose(two.v_phi, one.v_phi, rtol=0.0, atol=1e-8 * 0.3)
+    np.testing.assert_allclose(two.pressure, one.pressure, rtol=1e-7)
+    assert two.stress_ratio_wall == pytest.approx(one.stress_ratio_wall, rel=1e-8)
+    assert two.torques.inner == pytest.approx(one.torques.inner, rel=1e-8)
+    around = two.at(20.0, np.linspace(-1.0, 7.0, 9))
+    np.testing.assert_allclose(around.v_phi, one.at(20.0).v_phi, rtol=1e-6)
+    np.testing.assert_allclose(around.v_r, one.at(20.0).v_r, atol=1e-10)
+    np.testing.assert_allclose(two.wall_force, 0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6])
+def test_an_eccentric_newtonian_film_is_a_journal_bearing(ratio):
+    """A thin gap c (1 + ratio cos): torque and load of Sommerfeld's full film (1904; cited from memory), to the order c/R = 1e-3."""
+    radius, gap, speed = 1000.0, 1.0, 0.2
+    viscosity = 1e-6  # reduced; small, so that the pressure of the film stays below that of the ring
+    problem = RingFlow(radius, radius + gap, Newtonian(viscosity), speed, 3.0, dimension=2, elements=4, elements_around=64)
+    flow = replace(problem, eccentricity=ratio * gap).solve()
+    share = (2.0 + ratio**2) * np.sqrt(1.0 - ratio**2)
+    force = viscosity * 3.0 * gap / speed * speed * radius**2 / gap**2  # eta V R^2/c^2
+    assert abs(flow.wall_force[1]) == pytest.approx(12.0 * np.pi * ratio / share * force, rel=3e-3)
+    assert abs(flow.wall_force[0]) < 1e-2 * abs(flow.wall_force[1])  # across the line of centres
+    # the torque on the shaft about its own axis, here about the centre of the outer ring: less by the load times the offset
+    shaft = 4.0 * np.pi * (1.0 + 2.0 * ratio**2) / share * force * gap
+    about_centre = abs(flow.torques.inner)
+    assert about_centre == pytest.approx(shaft - ratio * gap * abs(flow.wall_force[1]), rel=3e-3)
+
+
+def test_fields_of_an_eccentric_flow(eccentric):
+    phi = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
+    inside = 3.0 * np.cos(phi) + np.sqrt(36.0 - (3.0 * np.sin(phi)) ** 2)
+    wall = eccentric.at(inside, phi)
+    x, y = inside * np.cos(phi) - 3.0, inside * np.sin(phi)
+    np.testing.assert_allclose(np.hypot(x, y), 6.0, rtol=1e-12)
+    # quadratic in phi between nodes: every second angle is one
+    np.testing.assert_allclose(wall.v_r, 0.04 / 6.0 * (-y * np.cos(phi) + x * np.sin(phi)), atol=1e-5 * 0.04)
+    np.testing.assert_allclose(wall.v_phi, 0.04 / 6.0 * (y * np.sin(phi) + x * np.cos(phi)), atol=1e-5 * 0.04)
+    np.testing.assert_allclose(eccentric.at(15.0, phi).v_phi, 0.0, atol=1e-15)
+    assert eccentric.at(np.full((3, 1), 12.0), phi).shear_rate.shape == (3, 24)
+    middle = eccentric.at(12.0, phi)
+    turned = eccentric.at(12.0, phi + 2.0 * np.pi)
+    np.testing.assert_allclose(middle.pressure, turned.pressure, rtol=1e-12)
+    mirrored = replace(ECCENTRIC, wall_speed=-0.04).solve()
+    np.testing.assert_allclose(mirrored.at(12.0, -phi).pressure, middle.pressure, rtol=1e-6)
+    np.testing.assert_allclose(mirrored.wall_force, eccentric.wall_force * [1.0, -1.0], rtol=1e-6)
+    with pytest.raises(InputError, match="between 9 and 15"):
+        eccentric.at(8.0, 0.0)
+    with pytest.raises(InputError, match="phi must be finite"):
+        eccentric.at(12.0, np.nan)
+
+
+def test_no_volume_is_lost_through_any_line_between_the_rings(eccentric):
+    """What crosses the line from the centre to the outer ring, grains and disc, is the same at each angle."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    angles = np.array([0.1, 1.0, 2.0, 3.0, 5.0])
+    half = 0.5 * (15.0 - inner_radii(angles))
+    r = inner_radii(angles)[:, None] + half[:, None] * (1.0 + nodes)
+    flux = half * (eccentric.at(r, angles[:, None]).v_phi @ weights)
+    # a line from the centre of the outer ring crosses the inner disc too, which turns about its own centre, (3, 0)
+    disc = 0.04 / 6.0 * (0.5 * inner_radii(angles) ** 2 - 3.0 * np.cos(angles) * inner_radii(angles))
+    np.testing.assert_allclose(flux + disc, np.mean(flux + disc), rtol=2e-4)  # incompressible in the mean of each element
+
+
+def inner_radii(angles):
+    phi = np.asarray(angles)
+    return 3.0 * np.cos(phi) + np.sqrt(36.0 - (3.0 * np.sin(phi)) ** 2)
+
+
+def test_an_eccentric_flow_converges_with_the_mesh():
+    fine = replace(ECCENTRIC, elements=24, elements_around=36).solve()
+    coarse = [replace(ECCENTRIC, elements=n, elements_around=3 * n // 2).solve() for n in (8, 16)]
+    errors = [abs(flow.stress_ratio_wall - fine.stress_ratio_wall) for flow in coarse]
+    assert errors[1] < errors[0] / 4.0, errors  # h^4 for reactions
+    assert errors[1] < 1e-4
+    balances = [flow.torques.difference for flow in (*coarse, fine)]
+    assert balances[2] < balances[1] < balances[0]
+    assert balances[2] < 1e-5
+
+
+def test_weights_add_up_to_the_area_between_the_rings():
+    space = Space(np.linspace(1.0, 2.0, 5), ("u_r", "u_phi", "p"), np.linspace(0.0, 2.0 * np.pi, 25), offset=0.4)
+    assert space.weight.sum() == pytest.approx(3.0 * np.pi, rel=1e-10)  # both are circles, wherever the inner one is
+    assert space.arc(outer=True).sum() == pytest.approx(4.0 * np.pi, rel=1e-14)
+    assert space.arc(outer=False).sum() == pytest.approx(2.0 * np.pi, rel=1e-3)  # Simpson
