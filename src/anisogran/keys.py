@@ -17,8 +17,8 @@ class Key:
     """One key of a record: its unit ("1" if it has none), meaning, and bounds (None: unbounded).
 
     `example` is what a template shows where there is no default to show. From the annotation of the field come `default` (REQUIRED if
-    it must be given), `whole` (a whole number), `optional` (None switches it off), `records`, the classes of a key that is a table, and
-    `words`, of which a key that is no number is one.
+    it must be given), `whole` (a whole number), `switch` (true or false), `optional` (None switches it off), `records`, the classes of a
+    key that is a table, and `words`, of which a key that is no number is one.
     """
 
     unit: str
@@ -30,6 +30,7 @@ class Key:
     example: float | None = None
     default: Any = REQUIRED
     whole: bool = False
+    switch: bool = False
     optional: bool = False
     records: tuple = ()
     words: tuple = ()
@@ -42,6 +43,8 @@ class Key:
     @property
     def range(self):
         """The bounds in words, "above 0, at most 1", or the words that it may be; empty without any."""
+        if self.switch:
+            return "true or false"
         if self.words:
             return f"one of {', '.join(self.words)}"
         return ", ".join(f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items() if bound is not None)
@@ -58,10 +61,11 @@ def key(unit, meaning, default=MISSING, *, example=None, **bounds):
 
 
 def typed(annotation):
-    """`whole`, `optional`, `records` and `words` of a Key, from the annotation of its field; words are a Literal of texts."""
+    """`whole`, `switch`, `optional`, `records` and `words` of a Key, from the annotation of its field; words are a Literal of texts."""
     parts = get_args(annotation) or (annotation,)
     return {
         "whole": int in parts,
+        "switch": bool in parts,
         "optional": NoneType in parts,
         "records": tuple(part for part in parts if is_dataclass(part)),
         "words": tuple(part for part in parts if isinstance(part, str)),
@@ -83,7 +87,11 @@ def check_keys(record):
 
 
 def check_value(where, name, one, value):
-    """The value of a key as int, float, one of its words, or None. Raises InputError naming where, key, value and the broken bound."""
+    """The value of a key: int, float, bool, one of its words, or None. Raises InputError naming where, key, value and the broken bound."""
+    if one.switch:
+        if not isinstance(value, bool):
+            raise InputError(f"{where}: {name} = {shown(value)} must be {one.range}")
+        return value
     if one.words:
         if not isinstance(value, str) or value not in one.words:
             guess = f"; did you mean {closest(value, one.words)!r}?" if isinstance(value, str) else ""

@@ -127,7 +127,8 @@ def test_a_pressure_that_falls_to_nothing_is_no_answer(law):
     with pytest.raises(NotConverged) as caught:
         problem.solve()
     assert len(caught.value.history) > 0
-    assert np.isfinite(caught.value.best).all()
+    assert np.isfinite(caught.value.best.unknowns).all()
+    assert not caught.value.best.status
 
 
 def test_a_flow_thinner_than_an_element_is_told():

@@ -96,7 +96,12 @@ def test_failure_is_named_and_carries_history_and_best(law):
     with pytest.raises(NotConverged, match="after 1 iterations") as caught:
         RingFlow(13.0, 33.0, law, 1e-3, 1.0, max_iterations=1).solve()
     assert len(caught.value.history) == 1
-    assert np.isfinite(caught.value.best).all()
+    best = caught.value.best
+    assert not best.status
+    assert str(best.status).startswith("failed: not converged: continuum: no solution after 1 iterations")
+    assert np.isfinite(best.unknowns).all()
+    assert best.r.shape == best.v_phi.shape
+    assert best.history == tuple(caught.value.history)
 
 
 def test_a_centrifugal_load_above_the_outer_pressure_has_no_solution():
@@ -125,13 +130,16 @@ def test_status_warns_when_the_floor_matters_and_when_the_law_is_out_of_range():
         ({"wall_speed": 0.0}, "RingFlow: wall_speed = 0: nothing flows"),
         ({"grain_mass": -1.0}, "RingFlow: grain_mass = -1 must be above 0 kg"),
         ({"grain_diameter": 0.0}, "RingFlow: grain_diameter = 0 must be above 0 m"),
-        ({"elements": 2.5}, "RingFlow: elements = 2.5 must be a whole number"),
+        ({"elements": 2.5}, "RingFlow: elements = 2.5 is not a whole number"),
         ({"elements": 1}, "RingFlow: elements = 1 must be at least 2"),
         ({"max_iterations": 0}, "RingFlow: max_iterations = 0 must be at least 1"),
         ({"rate_floor": 0.0}, "RingFlow: rate_floor = 0 must be above 0"),
         ({"law": Nonlocal}, "RingFlow: law = .* is no law"),
         ({"law": None}, "RingFlow: law = None is no law"),
         ({"inertia": True}, "RingFlow: inertia = True needs areal_density"),
+        ({"inertia": 1.0}, "RingFlow: inertia = 1.0 must be true or false"),
+        ({"outer": "open"}, "RingFlow: outer = 'open' must be one of pressure, volume"),
+        ({"dimension": 3}, "RingFlow: dimension = 3 must be at most 2"),
         ({"inertia": True, "areal_density": -2.0}, "RingFlow: areal_density = -2 must be above 0"),
     ],
 )

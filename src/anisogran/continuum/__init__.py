@@ -3,6 +3,7 @@
 from anisogran.continuum.couple_stress import Spin, SpinEquation, SpinProfile, spin
 from anisogran.continuum.exact import local_mu_i, newtonian_couette
 from anisogran.continuum.flow import Flow, Profile
+from anisogran.continuum.labelled import flow_dataset, flow_numbers
 from anisogran.continuum.laws import LAWS, Jop, LocalMuI, Nonlocal, Regularised
 from anisogran.continuum.ring import RingFlow
 from anisogran.continuum.walls import CoulombSlip, NavierSlip
@@ -21,6 +22,8 @@ __all__ = [
     "Spin",
     "SpinEquation",
     "SpinProfile",
+    "flow_dataset",
+    "flow_numbers",
     "local_mu_i",
     "newtonian_couette",
     "spin",

@@ -5,20 +5,20 @@ speeds; the outer one is free to move radially under the outer pressure, as one.
 of the faster ring, outer pressure), in which a slow flow is no harder than a fast one.
 """
 
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
 from anisogran.continuum.balance import Setting
 from anisogran.continuum.doubts import between_mesh_points, beyond_the_law, ill_posed_share
 from anisogran.continuum.flow import Flow, inner_wall, mean_fields, slip, torques
-from anisogran.continuum.laws import check_law
-from anisogran.continuum.steady import solved
-from anisogran.continuum.walls import check_wall
-from anisogran.outcome import InputError, Status, checked
+from anisogran.continuum.laws import Jop, LocalMuI, Nonlocal, Regularised, check_law
+from anisogran.continuum.steady import Solution, levels, solved
+from anisogran.continuum.walls import CoulombSlip, NavierSlip, check_wall, equations, sticking
+from anisogran.keys import check_value, key, record_keys
+from anisogran.outcome import InputError, NotConverged, Status, checked
 
 MOST_ELEMENTS = 20000  # some 10 s and half a gigabyte on a line
 TORQUE_WARNING = 1e-8  # relative difference of the two torques
@@ -55,48 +55,38 @@ class RingFlow:
     rest undetermined.
     """
 
-    r_inner: float
-    r_outer: float
-    law: Any
-    wall_speed: float
-    outer_pressure: float
-    grain_diameter: float = 1.0
-    grain_mass: float = 1.0
-    inertia: bool = False
-    dimension: int = 1
-    areal_density: float | None = None
-    outer_speed: float = 0.0
-    outer: str = "pressure"
-    inner_wall: Any = None
-    outer_wall: Any = None
-    eccentricity: float = 0.0
-    elements: int | None = None
-    elements_around: int = 48
-    rate_floor: float | None = None
-    max_iterations: int = 200
+    r_inner: float = key("m", "radius of the inner ring", above=0.0, example=13.0)
+    r_outer: float = key("m", "radius of the outer ring, above r_inner", above=0.0, example=33.0)
+    law: LocalMuI | Jop | Regularised | Nonlocal = key("1", "law of the flow")
+    wall_speed: float = key("m/s", "speed of the inner ring at its radius, counter-clockwise positive", example=1e-3)
+    outer_pressure: float = key("N/m", "pressure on the outer ring", above=0.0, example=1.0)
+    grain_diameter: float = key("m", "mean diameter of the grains", 1.0, above=0.0)
+    grain_mass: float = key("kg", "mean mass of a grain", 1.0, above=0.0)
+    inertia: bool = key("1", "whether momentum is advected: centrifugal load; needs areal_density", False)
+    dimension: int = key("1", "1: axisymmetric; 2: on r and phi", 1, at_least=1, at_most=2)
+    areal_density: float | None = key("kg/m^2", "mass of grains on an area", None, above=0.0, example=0.8)
+    outer_speed: float = key("m/s", "speed of the outer ring at its radius", 0.0)
+    outer: Literal["pressure", "volume"] = key("1", "what is given of the outer ring", "pressure")
+    inner_wall: CoulombSlip | NavierSlip | None = key("1", "slip at the inner ring; absent: rough", None)
+    outer_wall: CoulombSlip | NavierSlip | None = key("1", "slip at the outer ring; absent: rough", None)
+    eccentricity: float = key("m", "offset of the axes of the rings, below the gap; needs dimension = 2", 0.0, at_least=0.0)
+    elements: int | None = key("1", "elements along the radius; left out: the law's own number", None, at_least=2, example=64)
+    elements_around: int = key("1", "elements around in 2D", 48, at_least=4)
+    rate_floor: float | None = key("1", "regularisation in speed/gap; left out: the law's own", None, above=0.0, at_most=1.0, example=1e-8)
+    max_iterations: int = key("1", "of all stages together", 200, at_least=1)
+
+    kind = "ring_flow"
 
     def __post_init__(self):
-        check = partial(checked, "RingFlow")
-        outer = check("r_outer", self.r_outer, above=0.0, unit="m")
-        check("r_inner", self.r_inner, at_least=1e-6 * outer, below=outer, unit="m")
-        check("outer_pressure", self.outer_pressure, above=0.0, unit="N/m")
-        check("grain_diameter", self.grain_diameter, above=0.0, unit="m")
-        check("grain_mass", self.grain_mass, above=0.0, unit="kg")
+        for name, one in record_keys(self).items():
+            if not one.records:
+                check_value("RingFlow", name, one, getattr(self, name))
+        checked("RingFlow", "r_inner", self.r_inner, at_least=1e-6 * self.r_outer, below=self.r_outer, unit="m")
         check_law(self.law)
-        check("rate_floor", self.floor, above=0.0, at_most=1.0)
-        wholes = (("elements", 2, self.elements), ("elements_around", 4, self.elements_around), ("max_iterations", 1, self.max_iterations))
-        for key, least, value in wholes:
-            if value is not None and check(key, value, at_least=least) != int(value):
-                raise InputError(f"RingFlow: {key} = {value:g} must be a whole number")
-        speeds = [check(key, getattr(self, key), unit="m/s") for key in ("wall_speed", "outer_speed")]
-        if speeds == [0.0, 0.0]:
+        if self.speed == 0.0:
             raise InputError("RingFlow: wall_speed = 0: nothing flows, and the stress of grains at rest is undetermined")
         if self.inertia and self.areal_density is None:
             raise InputError("RingFlow: inertia = True needs areal_density, the mass of grains on an area (kg/m^2)")
-        if self.areal_density is not None:
-            check("areal_density", self.areal_density, above=0.0, unit="kg/m^2")
-        if self.outer not in ("pressure", "volume"):
-            raise InputError(f'RingFlow: outer = {self.outer!r} must be "pressure" or "volume"')
         check_wall("inner_wall", self.inner_wall)
         check_wall("outer_wall", self.outer_wall)
         self._check_geometry()
@@ -104,9 +94,7 @@ class RingFlow:
             self.law.wall_exchange(self.setting())
 
     def _check_geometry(self):
-        if self.dimension not in (1, 2):
-            raise InputError(f"RingFlow: dimension = {self.dimension!r} must be 1 (axisymmetric) or 2")
-        checked("RingFlow", "eccentricity", self.eccentricity, at_least=0.0, below=self.gap, unit="m")
+        checked("RingFlow", "eccentricity", self.eccentricity, below=self.gap, unit="m")
         if self.eccentricity > 0.0 and self.dimension == 1:
             raise InputError(f"RingFlow: eccentricity = {self.eccentricity:g} m is not axisymmetric and needs dimension = 2")
         if self.eccentricity > 0.0 and self.inner_wall is not None:
@@ -151,17 +139,33 @@ class RingFlow:
     def solve(self):
         """The Flow; its status is "warned" if the answer depends on the rate floor or the mesh, or leaves the range of the law.
 
-        Raises NotConverged, with the history of corrections and the best iterate, if there is no solution or none is found, for
-        example when the centrifugal load is as large as the outer pressure.
+        Raises NotConverged, with the history of corrections and the last iterate as `best`, a Flow of status failed, if there is no
+        solution or none is found, for example when the centrifugal load is as large as the outer pressure.
         """
         start, history = perf_counter(), []
-        solution, change = solved(self, history)
+        try:
+            solution, change = solved(self, history)
+        except NotConverged as error:
+            error.best = self._unsolved(error.best, history, str(error), perf_counter() - start)
+            raise
+        flow = self._flow(solution, history)
+        return replace(flow, status=self._status(flow, change), seconds=perf_counter() - start)
+
+    def _unsolved(self, x, history, reason, seconds):
+        """The last iterate as a Flow whose status says that it is none."""
+        space = next(space for space in levels(self) if space.size == x.size)
+        signs = sticking(space)
+        with np.errstate(all="ignore"):  # it may lie outside of the domain of the law
+            flow = self._flow(Solution(space, x, equations(space, self, self.setting(), signs), signs), history)
+        return replace(flow, status=Status().fail(f"not converged: {reason}"), seconds=seconds)
+
+    def _flow(self, solution, history):
+        """The Flow of unknowns, status and seconds still to be told."""
         space, x = solution.space, solution.x
         r = self.gap * space.nodes()
         profile, stress = mean_fields(self, space, x, r / self.gap)
         reaction = solution.system.reaction(x)
         ratio, force = inner_wall(self, space, reaction)
-        balance_of_torques = torques(self, space, reaction)
         return Flow(
             r=r,
             v_phi=profile.v_phi,
@@ -171,27 +175,27 @@ class RingFlow:
             shear_rate=profile.shear_rate,
             inertial_number=profile.inertial_number,
             stress_ratio_wall=ratio,
-            torques=balance_of_torques,
-            ill_posed_share=ill_posed_share(self.law, space.point(x), space.weight, self.setting()),
+            torques=torques(self, space, reaction),
             slip=slip(self, space, x),
             wall_force=force,
-            status=self._status(profile, balance_of_torques, change),
+            ill_posed_share=ill_posed_share(self.law, space.point(x), space.weight, self.setting()),
+            status=Status(),
             iterations=len(history),
             history=tuple(history),
-            seconds=perf_counter() - start,
+            seconds=0.0,
             problem=self,
             space=space,
             unknowns=x,
         )
 
-    def _status(self, profile, torques, change):
+    def _status(self, flow, change):
         """What a user should doubt: torque balance, range of the law, mesh, influence of the rate floor."""
         status = Status()
-        if torques.difference > TORQUE_WARNING and self.eccentricity == 0.0:
-            share = f"{torques.difference:.1g}"
+        if flow.torques.difference > TORQUE_WARNING and self.eccentricity == 0.0:
+            share = f"{flow.torques.difference:.1g}"
             status = status.warn(f"the torques on the rings differ by {share}: rounding, or with inertia a coarse mesh")
-        status = beyond_the_law(status, self.law, profile)
-        status = between_mesh_points(status, profile.r[::2], profile.v_phi[::2], self.speed)
+        status = beyond_the_law(status, self.law, flow)
+        status = between_mesh_points(status, flow.r[::2], flow.v_phi[::2], self.speed)
         if change is None:
             return status.warn("no solution with a tenth of the rate floor: its influence is not known")
         if change > CREEP_WARNING:

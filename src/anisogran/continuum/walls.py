@@ -8,7 +8,8 @@ from scipy.sparse import csr_array
 
 from anisogran.continuum.balance import balance, stacked
 from anisogran.continuum.system import System
-from anisogran.outcome import InputError, checked
+from anisogran.keys import check_keys, key
+from anisogran.outcome import InputError
 
 AT_REST = 1e3  # fluidity, in rate floors, that is as good as none: the rounding of shear rates makes changes of 1e-6 floors
 STICK_BAND = 1e-9  # by which a wall force must exceed friction before the grains let go
@@ -21,10 +22,12 @@ class CoulombSlip:
     Raises InputError if `friction` is below 0; at 0 the wall is perfectly smooth and takes no torque.
     """
 
-    friction: float
+    friction: float = key("1", "shear over normal stress while slipping", at_least=0.0, example=0.2)
+
+    kind = "coulomb_slip"
 
     def __post_init__(self):
-        checked("CoulombSlip", "friction", self.friction, at_least=0.0)
+        check_keys(self)
 
 
 @dataclass(frozen=True)
@@ -34,10 +37,12 @@ class NavierSlip:
     Raises InputError if `viscosity` is below 0; at 0 the wall is perfectly smooth, and rough in the limit of a large one.
     """
 
-    viscosity: float
+    viscosity: float = key("N s/m^2", "shear stress over slip speed", at_least=0.0, example=1.0)
+
+    kind = "navier_slip"
 
     def __post_init__(self):
-        checked("NavierSlip", "viscosity", self.viscosity, at_least=0.0, unit="N s/m^2")
+        check_keys(self)
 
 
 def check_wall(key, wall):

@@ -5,6 +5,7 @@ from anisogran.plots.costs import cost_figure
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.element import element_figure
 from anisogran.plots.fits import FittedCurve, fit_figure
+from anisogran.plots.flow import flow_figure
 from anisogran.plots.grain_values import biaxial_pictures
 from anisogran.plots.homogeneous import biaxial_curves, friction_law
 from anisogran.plots.maps import field_map
@@ -32,6 +33,7 @@ __all__ = [
     "field_map",
     "figure",
     "fit_figure",
+    "flow_figure",
     "friction_law",
     "moduli_figure",
     "mohr_circles_figure",

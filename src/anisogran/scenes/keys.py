@@ -101,7 +101,8 @@ def chosen(records, name, where):
 
 def built(record, values, where):
     """The record with these values (a dict, "law" apart); its complaints begin with `where` instead of its own name."""
-    values, keys = {name: value for name, value in values.items() if name != "law"}, keys_of(record)
+    keys = keys_of(record)
+    values = {name: value for name, value in values.items() if name != "law" or name in keys}
     for name in values:
         if name not in keys:
             raise unknown_key(where, name, name_of(record), keys)

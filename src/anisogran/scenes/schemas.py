@@ -38,11 +38,13 @@ def table_schema(record, whole, law=None):
 
 
 def key_schema(one, whole):
-    """The schema of one key: a number, the same with its unit as text, one of some words, a table, or "none"."""
+    """The schema of one key: a number, the same with its unit as text, a switch, one of some words, a table, or "none"."""
     if one.records:
         choice = len(one.records) > 1
         forms = [table_schema(record, whole, name_of(record) if choice else None) for record in one.records]
         about = {"description": one.meaning}
+    elif one.switch:
+        forms, about = [{"type": "boolean"}], {"description": one.meaning, "default": one.default}
     elif one.words:
         forms, about = [{"enum": list(one.words)}], {"description": one.meaning, "default": one.default}
     else:

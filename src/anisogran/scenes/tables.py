@@ -94,11 +94,11 @@ def _merged_table(experiment, records, start, changes, place):
 
 
 def plain_value(one, name, value, place):
-    """What a file says for a Key: a number as such or as text with its unit, a word, or None. Raises InputError for what it may not be."""
+    """What a file says for a Key: a number, or text with its unit, a switch, a word, or None. Raises InputError for what it may not be."""
     if isinstance(value, dict | list):
-        wanted = one.range if one.words else "a number"
+        wanted = one.range if one.words or one.switch else "a number"
         raise InputError(f"{place} {name} must be {wanted}, not a {'table' if isinstance(value, dict) else 'list'}")
-    if isinstance(value, str) and not one.words:
+    if isinstance(value, str) and not one.words and not one.switch:
         if value == NONE and one.optional:
             return None
         said = re.fullmatch(rf"\s*({NUMBER})\s*((?:[^\W\d]|%).*)?\s*", value)  # what begins with a comma is no unit

@@ -18,15 +18,17 @@ def scene_text(scene):
     return "\n".join([f'kind = "{scene.kind}"', *_values(scene), *tables]) + "\n"
 
 
-def scene_template(experiment, quick=True):
-    """The commented file of the default scene of an experiment, a class: every key with unit, range and meaning.
+def scene_template(experiment, quick=True, scene=None):
+    """The commented file of the default scene of an experiment, a class, or of this `scene`: every key with unit, range and meaning.
 
     `quick`: with a table of small sizes.
     """
-    scene, keys = experiment(), keys_of(experiment)
+    scene, keys = experiment() if scene is None else scene, keys_of(experiment)
+    needed = [name for name, one in keys.items() if one.default is REQUIRED]
     lines = [
         f"# {experiment.__doc__.splitlines()[0]}",
         '# A number may bring its unit, as "1 N/m", the one in brackets. A key or table that is left out is as it stands here.',
+        *[f"# These must be given: {', '.join(needed)}."] * bool(needed),
         f'kind = "{experiment.kind}"',
         *_explained(keys, vars(scene)),
     ]
@@ -86,7 +88,9 @@ def _line(name, one, value):
 
 
 def _number(one, value):
-    """A number, or a word, as TOML has it."""
+    """A number, a switch, or a word, as TOML has it."""
+    if one.switch:
+        return str(bool(value)).lower()
     return f'"{value}"' if one.words else repr(int(value) if one.whole else float(value))
 
 
