@@ -13,6 +13,7 @@ import numpy as np
 
 import anisogran as ag
 from anisogran import plots
+from anisogran.comparison import near_angle
 from anisogran.glossary import label
 
 DATA = Path(__file__).parent / "data"
@@ -61,14 +62,6 @@ def symbol(name):
     return f"${ag.glossary.GLOSSARY[name].symbol}$"
 
 
-def weighted(profiles, name):
-    """Mean over the shear zone by the errors, and its standard error; in degrees."""
-    used = profiles.depth.values < NEAR
-    value, error = (np.degrees(profiles[key].values[used]) for key in (name, f"{name}_error"))
-    weight = 1 / error**2
-    return np.sum(weight * value) / weight.sum(), 1 / np.sqrt(weight.sum())
-
-
 def main(folder=DATA, figure=None):
     """Print the figures, save the picture if a file is named; return {cell: {name: value}}."""
     found = cells(folder)
@@ -85,7 +78,7 @@ def main(folder=DATA, figure=None):
             "area_fraction_wall": nu[0], "area_fraction_far": nu[len(nu) // 2 : -1].mean(), "decay_length": decay.values["length"],
             "torque_spread": torque, "force_misfit": force, "exponent_rr": slope, "hoop_over_radial": ratio.mean(),
             "bulk_over_trace": (bulk / trace).mean(), "bulk_over_trace_spread": (bulk / trace).std(),
-            **{key: weighted(profiles, key) for key in ANGLES},
+            **{key: near_angle(profiles, key) for key in ANGLES},
         }  # fmt: skip
         print(f"\n{name}: {profiles.sizes['place']} rings")
         print(f"  area fraction {one['area_fraction_wall']:.3f} at the inner ring, {one['area_fraction_far']:.3f} in the outer half")

@@ -11,6 +11,7 @@ from anisogran.comparison.measures import (
     equilibrium,
     exponential_fit,
     log_rms,
+    near_angle,
     near_l2,
     relative_l2,
     resolved,
@@ -24,6 +25,6 @@ from anisogran.comparison.studies import study_runs
 __all__ = [
     "RIVALS", "Asymmetry", "Calibration", "Comparison", "Frozen", "Measured", "Packing", "asymmetry", "best_exponential", "compare",
     "decay_length", "decay_length_error", "equilibrium", "exponential_fit", "fitted_amplitude", "fitted_wall", "frozen",
-    "homogeneous_friction", "log_rms", "measured", "near_l2", "packing", "predictions", "relative_l2", "resolved", "ring_edges",
-    "ring_flow", "spin_length", "study_runs", "wall_stress_ratio",
+    "homogeneous_friction", "log_rms", "measured", "near_angle", "near_l2", "packing", "predictions", "relative_l2", "resolved",
+    "ring_edges", "ring_flow", "spin_length", "study_runs", "wall_stress_ratio",
 ]  # fmt: skip

@@ -83,6 +83,15 @@ def best_exponential(profiles):
     return exponential_fit(profiles).predict(profiles.depth.values)
 
 
+def near_angle(profiles, name):
+    """An angle of the profiles, such as rate_to_stress_angle, in degrees over the rings nearer than 8 d, and its standard error: the
+    mean of the rings, each by its own error."""
+    used = near(profiles)
+    value, error = (np.degrees(profiles[key].values[used]) for key in (name, f"{name}_error"))
+    weight = 1.0 / error**2
+    return float(np.sum(weight * value) / weight.sum()), float(1.0 / np.sqrt(weight.sum()))
+
+
 def equilibrium(profiles):
     """How well the DEM's stress is in equilibrium, as two relative figures.
 
