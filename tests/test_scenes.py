@@ -9,6 +9,8 @@ from anisogran import open as open_results
 from anisogran.experiments import KINDS, read_scene
 from anisogran.scenes import doubts_of
 
+WARNED = {"ring_shear_volume": "warned: at constant volume the pressure on the inner ring went"}  # as it has to
+
 SCENES = sorted((Path(__file__).parents[1] / "data_generation").glob("*.toml"))
 
 
@@ -19,7 +21,7 @@ def test_the_quick_size_of_every_shipped_scene_runs(path, tmp_path):
         cli.main(["run", str(path), "--quick", "--out", str(tmp_path / "run")])  # two seconds each, once it is compiled
     assert end.value.code == 0
     results = open_results(tmp_path / "run" / "results.h5")
-    assert results.attrs["status"] == "ok"
+    assert results.attrs["status"].startswith(WARNED.get(path.stem, "ok"))
     assert results["series"].sizes["time"] > 50
 
 
