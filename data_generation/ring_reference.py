@@ -33,7 +33,7 @@ CELLS = {
     "fast": {"wall_speed": 0.16},
     "inner_4": {"inner_radius": 4.0, "n": 460},
     "inner_6": {"inner_radius": 6.0, "n": 570},
-    "loose": {"pressing_mu": 0.44},
+    "loose": {"pressing_friction": 0.44},
     "soft": stiffness(250.0),
     "stiff": stiffness(4000.0) | SHORTER,
     "slow": {"wall_speed": 0.01} | SHORTER,

@@ -17,7 +17,7 @@ from anisogran import open as open_results
 from anisogran.dem import Friction, Linear, Luding, Simulation, longest_step
 from anisogran.experiments import simple_shear
 from anisogran.experiments.biaxial import BEARING
-from anisogran.experiments.simple_shear import steady_state
+from anisogran.experiments.steady_shear import blocks_of, steady_state
 from anisogran.glossary import GLOSSARY
 from anisogran.outcome import InputError, RunFailed, Status
 from anisogran.runs.estimates import estimate
@@ -349,7 +349,7 @@ def test_blocks_hold_ratios_of_means():
         "sigma_xy": [-0.1, -1.5], "fabric_xx": [2.0, 2.2], "fabric_yy": [1.6, 1.8], "fabric_xy": [-0.3, -0.1],
     }  # fmt: skip
     series = xr.Dataset({name: ("time", values * 2) for name, values in columns.items()})
-    blocks = simple_shear.blocks_of(series.assign(strain=("time", [0.0, 0.1, 0.2, 0.3])))
+    blocks = blocks_of(series.assign(strain=("time", [0.0, 0.1, 0.2, 0.3])))
     np.testing.assert_allclose(blocks.stress_ratio, [0.4, 0.4])
     np.testing.assert_allclose(blocks.s_D, [0.5, 0.5])
     np.testing.assert_allclose(blocks.pressure, [2.0, 2.0])

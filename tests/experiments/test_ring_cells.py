@@ -33,7 +33,7 @@ def forces(simulation):
 
 def test_a_sample_that_turns_with_both_rings_keeps_its_forces():
     """Pressed with friction; the tangential springs are seen from the grains, and turn with them."""
-    pressed = prepared(pressing_mu=0.44)
+    pressed = prepared(pressing_friction=0.44)
     held = replace(pressed.boundary, radius=float(pressed.walls.position[0]), rim=Fixed())
     rest = pressed.next_stage(boundary=held)
     rest.run(100_000)  # to a rest far deeper than a shear needs
@@ -142,7 +142,7 @@ def test_a_pressure_that_wanders_is_told(closed):
 def test_friction_while_pressing_makes_a_looser_start():
     """Of 150 grains of three seeds the outer ring starts farther out with it, every time."""
     for seed in range(3):
-        smooth, rough = (float(prepared(seed=seed, pressing_mu=mu).walls.position[0]) for mu in (0.0, 0.44))
+        smooth, rough = (float(prepared(seed=seed, pressing_friction=mu).walls.position[0]) for mu in (None, 0.44))
         assert rough > smooth + 0.02
 
 
@@ -162,7 +162,7 @@ def test_without_friction_no_couples_are_summed():
         (lambda: RingShearVolume(large=3000), "RingShearVolume: large = 3000 must be at most n = 2939"),
         (lambda: RingShearVolume(n=3500), r"RingShearVolume: n = 3500 discs fill 0\.95\d of the cell; at most 0\.9"),
         (lambda: RingShear(wall_spacing=1.7), r"RingShear: wall_spacing = 1\.7 must be at most 1\.53 with wall_disc = 1, or the smallest"),
-        (lambda: RingShear(pressing_mu=0.3, friction=None), r"RingShear: pressing_mu = 0\.3 needs friction, and there is none"),
+        (lambda: RingShear(pressing_friction=0.3, friction=None), r"pressing_friction = 0\.3 needs the table friction"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused(make, message):

@@ -64,6 +64,20 @@ def field_profiles(blocks, place, names):
     return mean, records
 
 
+def with_errors(blocks, fields, coords):
+    """Dataset of `fields(sums)`, a dict of arrays over the one coordinate, of the mean sums of a TimeBlocks; with errors `name_error`.
+
+    For sums that belong to no place; the errors are those of `field_profiles`.
+    """
+    parts, variables, dim = [fields(sums) for sums in blocks.means()], {}, next(iter(coords))
+    for name, values in fields(blocks.mean()).items():
+        error, _ = standard_error(np.stack([part[name] for part in parts]))
+        told = attributes(name)
+        meaning = {**told, "long_name": f"standard error of: {told['long_name']}"}
+        variables |= {name: (dim, values, told), f"{name}_error": (dim, error, meaning)}
+    return xr.Dataset(variables, coords, {"conventions": CONVENTIONS, "blocks": len(parts)})
+
+
 def standard_error(record, axis=False):
     """(standard error of the mean of a record (blocks, ...) of equal blocks, number of blocks that count as independent).
 

@@ -22,7 +22,7 @@ from anisogran.dem import Friction, Luding
 from anisogran.demo.biaxial_law import biaxial_law
 from anisogran.demo.grains import demo_jobs, run_grains
 from anisogran.experiments import Biaxial, RingShear
-from anisogran.experiments.simple_shear import steady_state
+from anisogran.experiments.steady_shear import steady_state
 
 
 @dataclass(frozen=True)

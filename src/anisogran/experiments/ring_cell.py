@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-import xarray as xr
 
 from anisogran.averaging import (
     Rings,
@@ -20,12 +19,12 @@ from anisogran.averaging import (
     field_profiles,
     layer_fields,
     layer_sums,
-    standard_error,
+    with_errors,
 )  # fmt: skip
 from anisogran.dem import Friction, Grains, Linear, Luding
 from anisogran.experiments.experiment import Experiment, check_rows, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import quasi_static_step
-from anisogran.glossary import CONVENTIONS, attributes
+from anisogran.glossary import attributes
 from anisogran.outcome import InputError
 from anisogran.scenes.keys import LARGEST_SEED, MANY, scene_key, scene_table
 
@@ -175,28 +174,27 @@ class RingCell(Experiment):
         return "r", (r - self.inner_radius) / self.mean_diameter, attributes("depth")
 
     def tables(self, records):
-        """ "circles": the stress on the edges of the rings; "layers": motion of the grains by the place of their centres. Of the mean
-        over the blocks and with errors, as the profiles; once there is a block."""
+        """Group "circles", the stress on the edges of the rings, and "layers", the motion of the grains by the places of their centres.
+
+        Of the mean over time with errors from the blocks, as the profiles; nothing before there is a block.
+        """
         if records.blocks is None or not records.blocks.means():
             return {}
         count = len(records.blocks.mean()["cut_pressure"]) - 1
         edges = self.layer_edges(count)
+
+        def motion(sums):
+            return layer_fields(sums, edges, self.mean_diameter)
+
         return {
-            "circles": self.with_errors(records.blocks, self.circles(count), lambda sums: {name: sums[name] for name in CUTS}),
-            "layers": self.with_errors(
-                records.blocks, 0.5 * (edges[1:] + edges[:-1]), lambda sums: layer_fields(sums, edges, self.mean_diameter)
-            ),
+            "circles": self.on_circles(records.blocks, self.circles(count), lambda sums: {name: sums[name] for name in CUTS}),
+            "layers": self.on_circles(records.blocks, 0.5 * (edges[1:] + edges[:-1]), motion),
         }
 
-    def with_errors(self, blocks, r, fields):
-        """Dataset of what `fields` makes of the mean sums at the radii r, with the errors `name_error` from the sums of the blocks."""
-        parts, variables = [fields(sums) for sums in blocks.means()], {}
-        for name, values in fields(blocks.mean()).items():
-            error, _ = standard_error(np.stack([part[name] for part in parts]))
-            told = attributes(name)
-            variables |= {name: ("r", values, told), f"{name}_error": ("r", error, {**told, "long_name": f"error of: {told['long_name']}"})}
+    def on_circles(self, blocks, r, fields):
+        """The Dataset of what `fields` makes of the sums at the radii r, with errors from the blocks."""
         coords = {"r": ("r", r, attributes("r")), "depth": self.depth(r)}
-        return xr.Dataset(variables, coords, {"conventions": CONVENTIONS, "frame": "(r, phi)", "blocks": len(parts)})
+        return with_errors(blocks, fields, coords).assign_attrs(frame="(r, phi)")
 
     def outer_wall(self, radius):
         """Radius of the circle of the outer ring that bounds the sample, from that of the smooth wall behind it; both in m."""

@@ -34,7 +34,9 @@ class RingShear(RingCell):
     kind: ClassVar[str] = "ring_shear"
     quick: ClassVar[dict] = {"n": 250, "inner_radius": 4.0, "travel": 10.0, "discard": 2.0, "block": 1.0}
     pressure: float = scene_key("N/m", "pressure on the outer ring", 1.0, above=0)
-    pressing_mu: float = scene_key("1", "friction while the sample is pressed together; 0 makes it densest", 0.0, at_least=0, at_most=10)
+    pressing_friction: float | None = scene_key(
+        "1", "friction coefficient while the sample is pressed, which leaves it loose", None, above=0, at_most=10, example=0.5
+    )
     n: int = scene_key("1", "number of free grains", 680, at_least=50, at_most=10_000_000)
     mean_diameter: float = scene_key("m", "mean diameter of the grains", 1.0, **LENGTH)
     size_ratio: float = scene_key("1", "largest over smallest radius", 2.0, at_least=1, at_most=2.9)
@@ -43,8 +45,10 @@ class RingShear(RingCell):
 
     def check(self):
         super().check()
-        if self.pressing_mu and self.friction is None:
-            raise InputError(f"RingShear: pressing_mu = {self.pressing_mu:g} needs friction, and there is none")
+        if self.pressing_friction is not None and self.friction is None:
+            raise InputError(
+                f"RingShear: pressing_friction = {self.pressing_friction:g} needs the table friction, whose stiffness it takes"
+            )
         # a disc of uniform radius with ratio q has the mean square (q^2 + q + 1) / (3 ((q + 1)/2)^2) of its mean radius
         q, d = self.size_ratio, self.mean_diameter
         area = self.n * np.pi * (0.5 * d) ** 2 * (q * q + q + 1) / (0.75 * (q + 1) ** 2)
@@ -92,7 +96,9 @@ class RingShear(RingCell):
         damping = 2 * math.sqrt(2 * math.pi * self.contact.stiffest * piston)
         # the smooth wall lies behind the centres of the wreath, where no grain comes
         boundary = Ring(outer + disc, rim=Pressure(self.pressure, mass=piston, damping=damping), inner=len(inner_ring))
-        friction = replace(self.friction, mu=self.pressing_mu) if self.pressing_mu else None
+        friction = None
+        if self.pressing_friction is not None:
+            friction = replace(self.friction, mu=self.pressing_friction, mu_dynamic=None)
         drag = background_drag(self.contact, mass)
         return Simulation(grains, self.contact, friction=friction, boundary=boundary, drag=drag, dt=self.step())
 

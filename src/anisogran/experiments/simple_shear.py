@@ -11,22 +11,19 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-import xarray as xr
 
 from anisogran import tensors
-from anisogran.averaging import average, drift, mean_and_error
+from anisogran.averaging import average, drift
 from anisogran.dem import Friction, Grains, Linear, Luding, Periodic, Simulation
 from anisogran.dem.packing import uniform_radii
 from anisogran.experiments.experiment import Experiment, check_rows, frame_name, labelled_series, spread_evenly, squeezed
 from anisogran.experiments.preparation import ATTEMPTS, LOOSE, background_drag, positions_in_cell, quasi_static_step, sphere_mass
-from anisogran.glossary import attributes
+from anisogran.experiments.steady_shear import BLOCK, blocks_of, state_of
 from anisogran.outcome import InputError
 from anisogran.runs.stages import Stage, equilibrium
 from anisogran.scenes.keys import LARGEST_SEED, LENGTH, MANY, scene_key, scene_table
 
 CLOSING = 0.02  # strain rate of the height while nothing resists, in units of sqrt(pressure/mean mass)
-BLOCK = 0.25  # of shear strain
-RATE_ANGLE = -0.25 * math.pi  # of the fastest compression in simple shear along x
 DENSE = 0.84  # about that under pressure; the cell is as much too high at the start
 
 
@@ -197,7 +194,7 @@ class SimpleShear(Experiment):
         return labelled_series(records.rows, self.kind), None, None
 
     def tables(self, records):
-        """ "steady": the steady state as `steady_state` gives it, once there are two blocks of strain."""
+        """Group "steady": the steady state as `steady_state` gives it, once there are two blocks of strain."""
         series = labelled_series(records.rows, self.kind)
         steady = self.steady(series)
         return {"steady": state_of(steady)} if steady.sizes["time"] and np.ptp(steady.strain.values) > 2 * BLOCK else {}
@@ -245,39 +242,3 @@ class SimpleShear(Experiment):
             "anisotropy": float(box.anisotropy),
             "coordination_number": float(box.coordination_number),
         }
-
-
-def blocks_of(steady, size=BLOCK):
-    """Means over blocks of `size` shear strain, dimension "block": longer than the memory of the stress, about a tenth of strain.
-
-    Ratios to the pressure are ratios of the means: at constant volume the pressure may all but vanish for a moment. Angles are those of
-    the mean tensors, from x; that of the strain rate is the one of simple shear.
-    """
-    count = max(2, int((steady.strain.values[-1] - steady.strain.values[0]) / size))
-    parts = [steady.isel(time=part) for part in np.array_split(np.arange(steady.sizes["time"]), count)]
-    blocks = xr.concat([part.mean("time", keep_attrs=True) for part in parts], "block")
-    for name in ("stress_ratio", "s_D"):
-        blocks[name].values[:] = [float((part[name] * part.pressure).mean() / part.pressure.mean()) for part in parts]
-    for name, tensor in (("stress_angle", "sigma"), ("fabric_angle", "fabric")):
-        xx, xy, yy = (blocks[f"{tensor}_{axes}"].values for axes in ("xx", "xy", "yy"))
-        blocks[name] = ("block", 0.5 * np.arctan2(2 * xy, xx - yy), attributes(name))
-    for name, axis in (("rate_to_stress_angle", "stress_angle"), ("rate_to_fabric_angle", "fabric_angle")):
-        blocks[name] = ("block", blocks[axis].values - RATE_ANGLE, attributes(name))
-    return blocks
-
-
-def state_of(steady):
-    """Mean and standard error (`name_error`) of the variables of a steady series, from blocks of strain; see `steady_state`."""
-    state = mean_and_error(blocks_of(steady))
-    inertial = float(steady.inertial_number[0]) * np.sqrt(float(steady.pressure[0]) / state.pressure)
-    state["inertial_number"].values[...] = inertial
-    state["inertial_number_error"].values[...] = 0.5 * inertial * state.pressure_error / state.pressure
-    return state
-
-
-def steady_state(run):
-    """Mean and standard error (`name_error`) of every series of a SimpleShear run after its transient, from blocks of strain.
-
-    Beside them the angles of stress and fabric, from x and from the strain rate. The inertial number is that of the mean pressure.
-    """
-    return state_of(run.scene.steady(run.series))
