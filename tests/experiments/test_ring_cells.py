@@ -146,6 +146,14 @@ def test_friction_while_pressing_makes_a_looser_start():
         assert rough > smooth + 0.02
 
 
+def test_the_innermost_circle_cuts_the_contacts_with_discs_on_it():
+    """A contact that ends on a circle, but for rounding, does not cross it; a millionth of a diameter farther out it does."""
+    scene = RingShearVolume()
+    inner, *others = scene.circles(3)
+    assert scene.inner_radius * (1 + 1e-9) < inner < scene.inner_radius * (1 + 1e-6)
+    np.testing.assert_allclose(others, scene.inner_radius + scene.mean_diameter * np.arange(1, 4))
+
+
 def test_without_friction_no_couples_are_summed():
     scene = RingShear(**SMALL | {"friction": None})
     assert "couple_stress" in RingShear(**SMALL).profile_needs
