@@ -81,6 +81,17 @@ def test_a_study_makes_one_file_and_does_nothing_twice(tmp_path, name):
         assert all(values.dtype == np.float32 and np.isfinite(values).all() for values in series.data_vars.values())
 
 
+def test_ring_rotations(tmp_path, capsys):
+    path, picture = tmp_path / "ring.h5", tmp_path / "rotations.png"
+    ag.RingShear(n=250, inner_radius=4.0, travel=10.0, discard=2.0, block=2.0, seed=1).run().save(path)
+    found = script(ROOT / "fits" / "ring_rotations.py").main(path, picture)
+    assert list(found) == ["ring"]
+    assert found["ring"][0].share < 3e-3  # the stress of grains is symmetric
+    assert not found["ring"][1].verdict  # four blocks tell no length
+    assert "not determined" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+
+
 def test_tablet_strength(tmp_path, capsys):
     path, picture = str(tmp_path / "strength.h5"), tmp_path / "strength.png"
     script(ROOT / "data_generation" / "tablet_strength.py").main([path, "--quick"])

@@ -9,7 +9,7 @@ from anisogran.outcome import InputError
 
 
 def mu_of_I(I, mu, errors=None, law="linear"):
-    """Fit of mu(I): `FitResult` with mu_s, b (law="linear") or mu_s, mu_d, I0 (law="saturating").
+    """Fit of mu(I): `FitResult` with mu_s, b (law="linear") or mu_s, mu_d, I0 (law="saturating", that of Jop et al. 2006).
 
     I > 0 and mu, shape (n,), without units; the points are taken as independent (one each from its own run or block).
     The linear law holds for discs below I of about 0.2: leave larger I out. Raises InputError for data that cannot be fitted at
