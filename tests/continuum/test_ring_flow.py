@@ -5,8 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from newtonian import Newtonian
 
 from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
+from anisogran.continuum.newton import refuse_stagnation
+from anisogran.continuum.space import Space
 from anisogran.outcome import InputError, NotConverged
 
 LOCAL, NONLOCAL = LocalMuI(0.26, 1.0), Nonlocal(0.26, 1.0, 0.9)
@@ -107,6 +110,25 @@ def test_failure_is_named_and_carries_history_and_best(law):
 def test_a_centrifugal_load_above_the_outer_pressure_has_no_solution():
     with pytest.raises(NotConverged):
         RingFlow(13.0, 33.0, NONLOCAL, 1.0, 1.0, inertia=True, areal_density=100.0).solve()
+
+
+def test_an_eccentric_film_that_would_have_to_pull_is_a_named_failure():
+    """A bearing whose film pressure exceeds that on the ring: the lowest pressure is told, nothing is cut off."""
+    problem = RingFlow(1000.0, 1001.0, Newtonian(1e-3), 0.2, 3.0, dimension=2, elements=2, elements_around=8, eccentricity=0.6)
+    with pytest.raises(NotConverged, match="pressure"):
+        problem.solve()
+
+
+def test_stagnation_is_named():
+    class Resting:
+        """A system whose corrections neither shrink nor fail the test of the line search at once."""
+
+        space = Space(np.linspace(1.0, 2.0, 3), ("u_r", "u_phi", "p"))
+
+    x = np.ones(Resting.space.size)
+    with pytest.raises(NotConverged, match="stagnation, the corrections stay above"):
+        refuse_stagnation(Resting, [1.0, 1e-3] + [2e-3] * 25, [], x)
+    refuse_stagnation(Resting, [1.0, 1e-3] + [0.9e-3] * 25, [], x)
 
 
 def test_status_warns_when_the_floor_matters_and_when_the_law_is_out_of_range():

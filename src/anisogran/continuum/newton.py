@@ -75,7 +75,7 @@ def newton(system, x, history, limit, balanced=True):
         size = system.size(step, x)
         history.append(size)
         if size > TOLERANCE:
-            refuse_stagnation(history[first:], history, x)
+            refuse_stagnation(system, history[first:], history, x)
         share = min(longest(system, x, step), 4.0 * damping)
         while True:
             if share >= 1.0 and finished(system, x + step, size, balanced):
@@ -89,7 +89,8 @@ def newton(system, x, history, limit, balanced=True):
                 return min((x, x + step), key=system.imbalance)  # rounding, no step helps any more
             share *= 0.5
             if share < SHORTEST:
-                raise NotConverged(f"continuum: the line search stalls at a correction of {size:.1e}; more elements may help", history, x)
+                why = f"the line search stalls at a correction of {size:.1e}; {lowest(system, x)}; more elements may help"
+                raise NotConverged(f"continuum: {why}", history, x)
         x, damping = trial, share
         while shrunk <= CHORD * size and longest(system, x, after) == 1.0 and len(history) < limit:
             x, size = x + after, shrunk
@@ -98,7 +99,8 @@ def newton(system, x, history, limit, balanced=True):
                 return x
             after = chord(system, factors, x)
             shrunk = system.size(after, x)
-    raise NotConverged(f"continuum: no solution after {limit} iterations, last correction {history[-1]:.1e}", history, x)
+    why = f"no solution after {limit} iterations, last correction {history[-1]:.1e}; {lowest(system, x)}"
+    raise NotConverged(f"continuum: {why}", history, x)
 
 
 def chord(system, factors, x):
@@ -112,7 +114,13 @@ def finished(system, x, size, balanced):
     return size <= TOLERANCE and (not balanced or system.imbalance(x) <= IMBALANCE)
 
 
-def refuse_stagnation(sizes, history, x):
+def lowest(system, x):
+    """The lowest pressure, in words for a message: where grains would have to be pulled, a flow of constant density does not exist."""
+    return f"the lowest pressure is {system.space.point(x).p.min():.1e} of the outer one"
+
+
+def refuse_stagnation(system, sizes, history, x):
     """Raises NotConverged if the last WINDOW corrections of a stage have brought no progress."""
     if len(sizes) > WINDOW and min(sizes[-WINDOW:]) > SLOW * min(sizes[:-WINDOW]):
-        raise NotConverged(f"continuum: stagnation, the corrections stay above {min(sizes):.1e} over {WINDOW} iterations", history, x)
+        why = f"stagnation, the corrections stay above {min(sizes):.1e} over {WINDOW} iterations; {lowest(system, x)}"
+        raise NotConverged(f"continuum: {why}", history, x)

@@ -21,6 +21,7 @@ from anisogran.keys import check_value, key, record_keys
 from anisogran.outcome import InputError, NotConverged, Status, checked
 
 MOST_ELEMENTS = 20000  # some 10 s and half a gigabyte on a line
+MOST_OFFSET = 0.9  # of the eccentricity in inner radii: the centre of the outer ring, the origin, stays inside of the inner one
 TORQUE_WARNING = 1e-8  # relative difference of the two torques
 CREEP_WARNING = 0.01  # relative change of v_phi with a tenth of the rate floor
 
@@ -94,7 +95,7 @@ class RingFlow:
             self.law.wall_exchange(self.setting())
 
     def _check_geometry(self):
-        checked("RingFlow", "eccentricity", self.eccentricity, below=self.gap, unit="m")
+        checked("RingFlow", "eccentricity", self.eccentricity, below=min(self.gap, MOST_OFFSET * self.r_inner), unit="m")
         if self.eccentricity > 0.0 and self.dimension == 1:
             raise InputError(f"RingFlow: eccentricity = {self.eccentricity:g} m is not axisymmetric and needs dimension = 2")
         if self.eccentricity > 0.0 and self.inner_wall is not None:
