@@ -17,7 +17,8 @@ def study_runs(study, group):
     Raises InputError if the study has no such sweep, or this no profiles.
     """
     wanted = [f"{group}/{name}" for name in ("cases", "series", "profiles", "blocks")]
-    missing = [name for name in wanted if f"/{name}" not in study.groups]
+    groups = {path.lstrip("/") for path in study.groups}  # a DataTree finds a path by [], but not by "in"
+    missing = [name for name in wanted if name not in groups]
     if missing:
         raise InputError(f"study_runs: the study has no {missing[0]}; its sweeps are {', '.join(study.children)}")
     cases, series, profiles, blocks = (study[name].to_dataset() for name in wanted)
