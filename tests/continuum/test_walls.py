@@ -151,10 +151,10 @@ def forces_on(flow):
     [
         ({"inner_wall": 0.3}, "RingFlow: inner_wall = 0.3 is no wall"),
         ({"outer_wall": "rough"}, "RingFlow: outer_wall = 'rough' is no wall"),
-        ({"outer": "free"}, 'RingFlow: outer = \'free\' must be "pressure" or "volume"'),
+        ({"outer": "free"}, "RingFlow: outer = 'free' must be one of pressure, volume"),
         ({"wall_speed": 0.0}, "RingFlow: wall_speed = 0: nothing flows"),
         ({"outer_speed": np.inf}, "RingFlow: outer_speed = inf must be a finite number"),
-        ({"dimension": 3}, "RingFlow: dimension = 3 must be 1"),
+        ({"dimension": 3}, "RingFlow: dimension = 3 must be at most 2"),
         ({"eccentricity": 12.0, "dimension": 2}, "RingFlow: eccentricity = 12 must be below 11.7 m"),
         ({"eccentricity": 3.0, "r_outer": 16.0, "dimension": 2}, "RingFlow: eccentricity = 3 must be below 3 m"),
         ({"eccentricity": 1.0}, "RingFlow: eccentricity = 1 m is not axisymmetric and needs dimension = 2"),
