@@ -3,8 +3,8 @@
     python fits/ring_comparison.py [FOLDER [FIGURE.png]]
 
 FOLDER (fits/data/ if none is named) holds ring_friction_law.h5, ring_reference.h5 and, if it is there, ring_paper.h5, which
-data_generation/ makes. mu_s and b come from homogeneous shear. Amplitude, exchange of fluidity at the wall and both base lines come from the reference cell, and are fixed
-before any other cell is looked at.
+data_generation/ makes. mu_s and b come from homogeneous shear. Amplitude, exchange of fluidity at the wall and both base lines come from
+the reference cell, and are fixed before any other cell is looked at.
 """
 
 import sys
