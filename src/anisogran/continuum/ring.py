@@ -165,6 +165,7 @@ class RingFlow:
         space, x = solution.space, solution.x
         r = self.gap * space.nodes()
         profile, stress = mean_fields(self, space, x, r / self.gap)
+        profile = profile._replace(r=r)
         reaction = solution.system.reaction(x)
         ratio, force = inner_wall(self, space, reaction)
         return Flow(
