@@ -49,6 +49,8 @@ def test_an_eccentric_newtonian_film_is_a_journal_bearing(ratio):
     assert abs(flow.wall_force[0]) < 1e-2 * abs(flow.wall_force[1])  # across the line of centres
     # the torque on the shaft about its own axis, here about the centre of the outer ring: less by the load times the offset
     shaft = 4.0 * np.pi * (1.0 + 2.0 * ratio**2) / share * force * gap
+    # over the normal force of the pressure, whose mean is that on the outer ring
+    assert flow.stress_ratio_wall == pytest.approx(shaft / radius / (2.0 * np.pi * radius * 3.0), rel=3e-3)
     about_centre = abs(flow.torques.inner)
     assert about_centre == pytest.approx(shaft - ratio * gap * abs(flow.wall_force[1]), rel=3e-3)
 
@@ -74,6 +76,16 @@ def test_fields_of_an_eccentric_flow(eccentric):
         eccentric.at(8.0, 0.0)
     with pytest.raises(InputError, match="phi must be finite"):
         eccentric.at(12.0, np.nan)
+
+
+def test_stress_ratio_at_an_eccentric_ring_is_that_of_its_own_torque_and_pressure(eccentric):
+    """About its own centre, (3, 0), the ring feels its shear forces only; next to a wall that carries grains sigma_nn is the pressure."""
+    own_torque = eccentric.torques.inner + 3.0 * eccentric.wall_force[1]
+    turn = np.linspace(0.0, 2.0 * np.pi, 97)[:-1]
+    x, y = 3.0 + 6.0 * np.cos(turn), 6.0 * np.sin(turn)
+    pressure = eccentric.at(np.hypot(x, y), np.arctan2(y, x)).pressure
+    # the mesh: measured 4e-7
+    assert eccentric.stress_ratio_wall == pytest.approx(own_torque / 6.0 / (2.0 * np.pi * 6.0 * pressure.mean()), rel=1e-5)
 
 
 def test_no_volume_is_lost_through_any_line_between_the_rings(eccentric):
