@@ -34,8 +34,8 @@ def main(file=DATA, figure=None):
     print("pressure on the inner ring in N/m, means over 0.05 turns")
     for name, (turns, pressure) in pressures.items():
         low = int(np.argmin(pressure))
-        ends = f"{pressure[0]:.2f} at first, {pressure[-1]:.2f} after {turns[-1]:.1f} turns"
-        print(f"  {name}: {ends}; between {pressure.max():.2f} and {pressure[low]:.3g} (at {turns[low]:.1f} turns)")
+        ends = f"{pressure[0]:.3g} at first, {pressure[-1]:.3g} after {turns[-1]:.1f} turns"
+        print(f"  {name}: {ends}; between {pressure.max():.3g} and {pressure[low]:.3g} (at {turns[low]:.1f} turns)")
     print(
         "depth [d]  area fraction       v_phi/V             sigma_rr/p_i  sigma_phiphi/p_i  r^2 sigma_rphi/(R_i^2 p_i)  (mean of the seeds)"
     )

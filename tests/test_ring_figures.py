@@ -71,5 +71,5 @@ def test_the_cell_of_the_lecture_is_not_steady(figure):
 
 
 def test_pictures_of_the_lectures_cell(figure):
-    snapshot = script("ring_pictures").main(DATA / "ring_lecture.h5", figure)
+    snapshot = script("ring_pictures").main(DATA / "ring_lecture.h5", figure, "lecture")
     assert np.count_nonzero(snapshot.free) == 2939
