@@ -2,7 +2,7 @@
 
     python data_generation/ring_reference.py ring_reference.h5 [--quick]
 
-"reference" is RingShear as it is by default. In the other groups one thing differs: "slow" and "fast" the wall speed, "inner_4" and
+"reference" is RingShear by default, only longer. In the other groups one thing differs: "slow" and "fast" the wall speed, "inner_4" and
 "inner_6" the inner radius in mean diameters with the gap kept, "soft" and "stiff" the stiffness over the pressure with k_t = k_n/2 and the
 same restitution, "loose" the start, pressed with friction. Of each: series, profiles with errors and their blocks, stress on circles, thin
 layers. 15 runs, about half an hour on one core; it can be stopped and goes on. --quick makes a rough version in seconds.
