@@ -1,6 +1,7 @@
 """Sparse LU of a tangent: fast by pivots on the diagonal, checked by its own residual, with full pivoting where that fails."""
 
 import numpy as np
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 SCALINGS = 3  # of rows and columns before a factorisation
@@ -14,8 +15,8 @@ class Factors:
 
     Without it an inner radius of 1e-6 of the outer one, where element lengths and forces span many decades, is not solved. The
     pattern of the tangent is symmetric, and pivots on the diagonal keep the fill that minimum degree promises: 0.7 s for 37 000
-    unknowns, where partial pivoting took 60 s. They can fail on a saddle point; then partial pivoting it is. Raises RuntimeError
-    for a singular matrix.
+    unknowns, where partial pivoting took 60 s. They can fail on a saddle point, which the residual of a solution tells; then
+    partial pivoting it is. Raises RuntimeError for a singular matrix.
     """
 
     def __init__(self, matrix):
@@ -26,21 +27,19 @@ class Factors:
             scaled = self.left[rows] * size * self.right[columns]
             self.left /= np.sqrt(largest(scaled, rows, matrix.shape[0]))
             self.right /= np.sqrt(largest(scaled, columns, matrix.shape[1]))
-        self.matrix = matrix.copy()
-        self.matrix.data = self.left[rows] * matrix.data * self.right[columns]
-        if not self._factorised_on_the_diagonal():
-            self.lu = splu(self.matrix)
-
-    def _factorised_on_the_diagonal(self):
-        """Whether pivots on the diagonal give solutions with a small residual."""
+        self.matrix = csc_array((self.left[rows] * matrix.data * self.right[columns], rows, matrix.indptr), shape=matrix.shape)
         try:
-            self.lu = splu(self.matrix, **SYMMETRIC)
+            self.lu, self.pivoted = splu(self.matrix, **SYMMETRIC), False
         except RuntimeError:  # a zero on the way
-            return False
-        return self._refined(np.ones(self.left.size))[1] <= BACKWARD
+            self.lu, self.pivoted = splu(self.matrix), True
 
     def solve(self, load):
-        return self.right * self._refined(self.left * load)[0]
+        """The solution of matrix @ x = load; RuntimeError if the matrix turns out to be singular."""
+        out, error = self._refined(self.left * load)
+        if not (error <= BACKWARD or self.pivoted) and np.isfinite(load).all():
+            self.lu, self.pivoted = splu(self.matrix), True
+            out, _ = self._refined(self.left * load)
+        return self.right * out
 
     def _refined(self, load):
         """A solution of the scaled equations and its last backward error, the residual over the size of its terms."""

@@ -32,11 +32,12 @@ def correction(system, x, history):
     """The Newton step and the factorisation it came from; NotConverged at the edge of the domain of the law, or if it is singular."""
     if not all(np.all(value > 0.0) for value in system.positive_values(x)):
         raise NotConverged("continuum: pressure or fluidity falls to 0 somewhere, where a law has no answer", history, x)
+    load = -system.residual(x)
     try:
         factors = system.factorised(x)
+        step = system.trial @ factors.solve(load)
     except RuntimeError as trouble:
         raise NotConverged(f"continuum: the tangent cannot be factorised ({trouble})", history, x) from trouble
-    step = system.trial @ factors.solve(-system.residual(x))
     if not np.isfinite(step).all():
         raise NotConverged("continuum: the Newton step is not finite", history, x)
     return step, factors
