@@ -1,8 +1,8 @@
 """Force chains, kinetic energy, rotations and stress crosses in the ring: `python fits/ring_pictures.py STUDY.h5 FIGURE.png [SWEEP]`.
 
 Slides "2D shear cell - force chains", "2D shear cell - energy", "Stress tensor". The file is made by data_generation/ring_paper.py or
-ring_lecture.py (SWEEP "lecture" is the lecture's cell at constant volume, "smooth" one with smooth rings; default: the first). The stress is
-averaged over two mean diameters, on a grid of three.
+ring_lecture.py (SWEEP "lecture" is the lecture's cell at constant volume, "smooth" one with smooth rings; default: the first). The stress
+is averaged over two mean diameters, on a grid of three.
 """
 
 import sys

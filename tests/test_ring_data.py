@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import anisogran as ag
-from anisogran.sweeps.cases import scene_from
+from anisogran.experiments.scene_file import scene_from
 
 DATA = Path(__file__).parents[1] / "fits" / "data"
 CELLS = [

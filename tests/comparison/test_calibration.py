@@ -38,11 +38,11 @@ def test_a_wall_that_is_not_there_is_found_to_be_none():
 
 @pytest.mark.parametrize(("fit", "law"), [(fitted_amplitude, LAW), (fitted_wall, WALLED)])
 def test_errors_are_the_scatter_of_repeated_fits(fit, law):
-    """Ten runs with other noise: the standard deviation of ten values is known to 24 %, so a factor of two either way holds."""
-    fits = [fit(made_up_run(law, noise=0.05, seed=seed), law.mu_s, law.b) for seed in range(10)]
+    """Six runs with other noise: the standard deviation of six values is known to 32 %, so a factor of 2.5 either way holds."""
+    fits = [fit(made_up_run(law, noise=0.05, seed=seed), law.mu_s, law.b) for seed in range(6)]
     for name in fits[0].values:
         scatter = np.std([one.values[name] for one in fits], ddof=1)
-        assert 0.5 < np.mean([one.errors[name] for one in fits]) / scatter < 2.0
+        assert 0.4 < np.mean([one.errors[name] for one in fits]) / scatter < 2.5
 
 
 def test_without_blocks_there_are_no_errors():
