@@ -28,6 +28,16 @@ def figure(tmp_path):
     assert path.stat().st_size > 10_000
 
 
+def test_friction_law(capsys):
+    fit = script("friction_law").main(DATA / "ring_friction_law.h5")
+    assert fit.verdict
+    assert fit.values["mu_s"] == pytest.approx(0.281, abs=1e-3)
+    assert fit.values["b"] == pytest.approx(1.13, abs=0.01)
+    told = capsys.readouterr().out
+    assert "mu = mu_s + b I" in told
+    assert "nu_max = 0.81458" in told
+
+
 def test_averages_of_the_ring(figure):
     found = script("ring_profiles").main(figure=figure)
     for name in ("gap of 8 d", "gap of 20 d"):

@@ -22,14 +22,6 @@ def script(path):
     return module
 
 
-def test_friction_law(tmp_path, capsys):
-    path = str(tmp_path / "friction_law.h5")
-    script(ROOT / "data_generation" / "ring_friction_law.py").main([path, "--quick"])
-    fit = script(ROOT / "fits" / "friction_law.py").main(path)
-    assert fit.values["mu_s"] == pytest.approx(0.28, abs=0.05)  # 100 grains, short runs: errors of 0.013
-    assert "mu = mu_s + b I" in capsys.readouterr().out
-
-
 def test_biaxial_evolution(tmp_path, capsys):
     path = str(tmp_path / "biaxial.h5")
     script(ROOT / "data_generation" / "biaxial.py").main([path, "--quick"])
