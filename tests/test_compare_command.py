@@ -8,6 +8,7 @@ import xarray as xr
 
 import anisogran as ag
 from anisogran import cli
+from anisogran.cli.compare_command import titles
 from anisogran.comparison import fitted_amplitude, frozen, predictions
 from anisogran.files import save_results
 
@@ -46,8 +47,16 @@ def test_a_run_is_predicted_with_what_another_was_fitted_to(rings, tmp_path, cap
     assert f"A = {parameters.amplitude:.4g} +- {parameters.errors['amplitude']:.2g} d" in printed
     assert "very run" not in printed
     assert "warning: the error bars of the grains come from 8 blocks only" in printed
+    assert "the error bars of the grains come from 8 blocks only" in told["runs"][0]["warnings"][0]
+    assert told["parameters"]["warnings"] == list(parameters.reasons)
+    assert json.loads(ag.open(folder / "compare.h5").attrs["parameters"]) == told["parameters"]
     np.testing.assert_array_equal(ag.open(folder / "compare.h5")["run1"].v_phi, table.v_phi)
     assert (folder / "compare.png").stat().st_size > 10_000
+
+
+def test_runs_of_the_same_name_each_have_their_panel():
+    assert titles(["a/results.h5", "b/results.h5"]) == ["a/results.h5", "b/results.h5"]
+    assert titles(["a/first", "b/second.h5"]) == ["first", "second.h5"]
 
 
 def test_friction_comes_from_a_file_of_homogeneous_shear_and_a_lone_run_is_fitted_itself(rings, tmp_path, capsys):
@@ -69,12 +78,15 @@ def test_friction_comes_from_a_file_of_homogeneous_shear_and_a_lone_run_is_fitte
 def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(rings, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     other = tmp_path / "shear.h5"
+    study = tmp_path / "study.h5"
+    save_results(study, {"cell/cases": xr.Dataset({"state": ("seed", ["finished"])})}, {})
     ag.SimpleShear(n=60, strain=0.6, discard=0.1, inertial_number=0.1, frames=0).run().save(other)
     wrong = {
         (rings[0],): "compare: give --friction FILE, or --mu-s and --b",
         (rings[0], "--mu-s", 0.3): "compare: give --friction FILE, or --mu-s and --b",
         (rings[0], "--mu-s", -1, "--b", 1): "mu_s = -1 must be above 0",
-        (other, "--mu-s", 0.3, "--b", 1): "shear.h5: has no group profiles",
+        (other, "--mu-s", 0.3, "--b", 1): "shear.h5: the run has no ring profiles; it must come from RingShear",
+        (study, "--mu-s", 0.3, "--b", 1): "study.h5: the file is a study, of cell; `study_runs` takes its runs one by one",
         (rings[0], "--friction", other): "shear.h5: has no group shear/steady",
         (tmp_path / "none", "--mu-s", 0.3, "--b", 1): "none",
     }
@@ -84,4 +96,4 @@ def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(rings, tmp_path, c
         assert words in error
         assert not printed
         assert len(error.splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["shear.h5"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["shear.h5", "study.h5"]

@@ -8,6 +8,7 @@ from made_up import LAW, made_up_run
 
 from anisogran.comparison import fitted_amplitude, fitted_wall
 from anisogran.continuum import Nonlocal
+from anisogran.outcome import InputError
 
 WALLED = Nonlocal(LAW.mu_s, LAW.b, 0.7, wall=0.2)
 
@@ -20,6 +21,11 @@ def test_amplitude_is_found_again():
     found = fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b, bounds=(0.1, 0.4))
     assert found.status.level == "warned"
     assert "the best nonlocal amplitude 0.4 lies at the bound" in str(found.status)
+
+
+def test_bounds_that_do_not_ascend_are_refused():
+    with pytest.raises(InputError, match=r"fitted_amplitude: bounds = \(2, 0.1\) must ascend from above 0"):
+        fitted_amplitude(made_up_run(), LAW.mu_s, LAW.b, bounds=(2, 0.1))
 
 
 def test_amplitude_and_wall_are_found_again_together():

@@ -153,7 +153,16 @@ def test_a_results_file_is_compared_like_the_run_that_left_it(tmp_path):
     kept = open_results(tmp_path / "ring.h5")
     assert ring_flow(kept, LAW) == ring_flow(run, LAW)
     assert compare(kept, flow).l2 == compare(run, flow).l2
-    assert compare(kept, flow).reasons == ("the error bars of the grains come from 3 blocks only",)
+    few = "the error bars of the grains come from 3 blocks only"
+    assert compare(kept, flow).reasons == compare(run, flow).reasons == (few, f"the run of the grains ended as {run.status}")
+
+
+def test_a_path_or_a_flow_of_another_cell_is_refused():
+    run = made_up_run()
+    with pytest.raises(InputError, match=r"compare: 'ring\.h5' is a path; give a run, or what `open` makes of its results file"):
+        compare("ring.h5", ring_flow(run, LAW).solve())
+    with pytest.raises(InputError, match="the rings of the run, 6 to 14 m, leave the flow, 14 to 23 m"):
+        compare(run, ring_flow(made_up_run(inner_radius=14.0), LAW).solve())
 
 
 def test_a_results_file_of_something_else_is_refused(tmp_path):

@@ -1,5 +1,7 @@
 """Parameters fitted on one made-up cell predict another that obeys the same law, and miss one that does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_up import LAW, made_up_run
@@ -7,6 +9,7 @@ from made_up import LAW, made_up_run
 import anisogran as ag
 from anisogran.comparison import RIVALS, frozen, predictions
 from anisogran.continuum import Nonlocal
+from anisogran.scenes.changes import changed
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +55,24 @@ def test_several_runs_are_told_by_their_mean_and_scatter():
     parameters = frozen(runs, LAW.mu_s, LAW.b)
     assert parameters.amplitude == pytest.approx(0.7, rel=2e-3)
     assert parameters.errors["amplitude"] == pytest.approx(0.1, rel=1e-2)  # the difference over sqrt(2) sqrt(2)
+
+
+def test_runs_of_different_cells_are_not_fitted_as_one():
+    one = made_up_run()
+    longer = replace(one, scene=changed(one.scene, {"seed": 7, "travel": 120.0}))
+    frozen([one, longer], LAW.mu_s, LAW.b)
+    with pytest.raises(ag.InputError, match=r"must differ in the seed only, but wall_speed is 0\.04 and 0\.2"):
+        frozen([one, made_up_run(wall_speed=0.2)], LAW.mu_s, LAW.b)
+    other = replace(one, scene=ag.RingShearVolume())
+    with pytest.raises(ag.InputError, match="but kind is ring_shear and ring_shear_volume"):
+        frozen([one, other], LAW.mu_s, LAW.b)
+
+
+def test_a_warning_of_a_run_reaches_who_reads_the_numbers(parameters):
+    run = replace(made_up_run(), status="warned: not steady")
+    words = "the run of the grains ended as warned: not steady"
+    assert words in frozen([run], LAW.mu_s, LAW.b).reasons
+    assert words in predictions(parameters, run).attrs["reasons"]
 
 
 def test_no_run_is_refused():

@@ -43,12 +43,13 @@ def compare(
     for path, table in tables.items():
         print(f"\n{path}{' (fitted on this very run)' if Path(path) in own else ''}\n{table_text(table)}")
     from anisogran.files import save_results, write_json
+    from anisogran.files.numbers import json_text
     from anisogran.plots import predictions_figure
 
     told = plain_parameters(law, parameters, own)
     groups = {f"run{k}": table.assign_attrs(file=path) for k, (path, table) in enumerate(tables.items(), 1)}
-    save_results(folder / "compare.h5", groups, {"parameters": str(told)})
-    predictions_figure({Path(path).name: table for path, table in tables.items()}).savefig(folder / "compare.png", dpi=150)
+    save_results(folder / "compare.h5", groups, {"parameters": json_text(told)})
+    predictions_figure(dict(zip(titles(tables), tables.values(), strict=True))).savefig(folder / "compare.png", dpi=150)
     if json_file is not None:
         write_json(json_file, {"parameters": told, "runs": [{"file": path, **plain_table(table)} for path, table in tables.items()]})
     print(f"\n{folder / 'compare.h5'}, {folder / 'compare.png'}")
@@ -69,10 +70,18 @@ def friction_law(path, mu_s, b):
 
 
 def ring_run(path):
-    """The results of a run that a file or folder holds."""
+    """The results of a run that a file or folder holds. Raises InputError if it has no profiles, or is a whole study."""
+    from anisogran.comparison import measured
     from anisogran.files import open as open_results
 
-    return open_results(path / "results.h5" if path.is_dir() else path, holds="profiles")
+    path = path / "results.h5" if path.is_dir() else path
+    return measured(open_results(path), str(path))
+
+
+def titles(paths):
+    """A title for each: the name if these are different, else the whole path."""
+    names = [Path(path).name for path in paths]
+    return names if len(set(names)) == len(names) else list(paths)
 
 
 def parameters_text(law, parameters, own):
@@ -94,17 +103,23 @@ def parameters_text(law, parameters, own):
 def table_text(table):
     """The misfits of the rivals, the error bars of the grains and of the continuum beside them."""
     lines = [f"{'':20} L2 (x < 8 d)  of the solver  rms of ln v  tau/sigma at the inner ring"]
-    for name, one in plain_table(table)["rivals"].items():
+    plain = plain_table(table)
+    for name, one in plain["rivals"].items():
         lines.append(f"{name:20} {one['l2']:12.3g} {one['l2_continuum']:14.1g} {one['log_rms']:12.3g} {one['stress_ratio_wall']:10.4g}")
     ratio = f"{float(table.stress_ratio_wall_dem):10.4g} +- {float(table.stress_ratio_wall_dem_error):.2g}"
     lines.append(f"{'grains':20} {float(table.l2_noise):12.3g} {'(error bars)':>27} {ratio}")
-    return "\n".join([*lines, *(f"warning: {reason}" for reason in [table.attrs["reasons"]] if reason)])
+    return "\n".join([*lines, *(f"warning: {reason}" for reason in plain["warnings"])])
 
 
 def plain_parameters(law, parameters, own):
     """The parameters as plain values."""
     names = "amplitude", "amplitude_with_wall", "wall", "exponential", "errors"
-    return {**law, **{name: getattr(parameters, name) for name in names}, "fitted_on": [str(path) for path in own]}
+    return {
+        **law,
+        **{name: getattr(parameters, name) for name in names},
+        "fitted_on": [str(path) for path in own],
+        "warnings": list(parameters.reasons),
+    }
 
 
 def plain_table(table):
@@ -112,4 +127,4 @@ def plain_table(table):
     figures = "l2", "l2_continuum", "log_rms", "stress_ratio_wall"
     rivals = {name: {key: float(table[key].sel(rival=name)) for key in figures} for name in table.rival.values}
     whole = {key: float(table[key]) for key in ("l2_noise", "stress_ratio_wall_dem", "stress_ratio_wall_dem_error")}
-    return {"rivals": rivals, **whole}
+    return {"rivals": rivals, **whole, "warnings": [reason for reason in [table.attrs["reasons"]] if reason]}

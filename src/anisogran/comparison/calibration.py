@@ -14,7 +14,7 @@ from anisogran.comparison.measured import measured
 from anisogran.comparison.measures import near, ring_edges
 from anisogran.comparison.pairing import ring_flow
 from anisogran.continuum import Nonlocal
-from anisogran.outcome import NotConverged, Status
+from anisogran.outcome import InputError, NotConverged, Status
 
 AMPLITUDES = 0.1, 2.0  # grain diameters
 EXCHANGES = -3.0, 0.9  # kappa A / sqrt(mu_s): at 1 a wall at rest would fluidise the grains
@@ -90,8 +90,10 @@ def fitted_amplitude(run, mu_s, b, bounds=AMPLITUDES):
     """The Calibration of the nonlocal amplitude alone, with dg/dr = 0 at both rings.
 
     One parameter, fitted on the very run it is then compared with. Its status is "warned" if the best value lies at a bound. Raises
-    InputError for a run without ring profiles.
+    InputError for a run without ring profiles, and for bounds that do not ascend from above 0.
     """
+    if not 0 < bounds[0] < bounds[1]:
+        raise InputError(f"fitted_amplitude: bounds = {bounds} must ascend from above 0")
     misfit = _Misfit(measured(run, "fitted_amplitude"), mu_s, b)
     found = minimize_scalar(lambda x: np.linalg.norm(misfit([x])), bounds=np.log(bounds), method="bounded", options={"xatol": 1e-3})
     at_bound = min(abs(found.x - np.log(bounds))) < 5e-3

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from anisogran.comparison.measured import measured
+from anisogran.comparison.measured import measured, remarks
 from anisogran.comparison.measures import decay_length, log_rms, near, near_l2, relative_l2, ring_edges
 from anisogran.continuum import Flow, RingFlow
 from anisogran.fitting import mean_and_error
@@ -81,7 +81,12 @@ def compare(run, flow, name="continuum"):
         raise InputError(f"compare: the flow is a {type(flow).__name__}; it must be what RingFlow(...).solve() returns")
     run = measured(run, "compare")
     profiles, scene = run.profiles, run.scene
-    edges, used = ring_edges(profiles), near(profiles)
+    edges, used, problem = ring_edges(profiles), near(profiles), flow.problem
+    if edges[0] < problem.r_inner * (1 - 1e-9) or edges[-1] > problem.r_outer * (1 + 1e-9):
+        raise InputError(
+            f"compare: the rings of the run, {edges[0]:g} to {edges[-1]:g} m, leave the flow, {problem.r_inner:g} to "
+            f"{problem.r_outer:g} m; ring_flow(run, law) gives the problem of the run"
+        )
     rings, better = flow.ring_average(edges), finer(flow).ring_average(edges)
     v_phi = np.asarray(rings.v_phi)
     table = xr.Dataset(
@@ -93,7 +98,7 @@ def compare(run, flow, name="continuum"):
             "inertial_number": ("r", np.asarray(rings.inertial_number), attributes("inertial_number", source=name)),
         },
         coords={"r": profiles.r, "depth": profiles.depth},
-        attrs={"law": str(flow.problem.law), "scene": scene_text(scene)},
+        attrs={"law": str(problem.law), "scene": scene_text(scene)},
     )
     ratio, ratio_error = wall_stress_ratio(run)
     blocks = profiles.attrs.get("blocks", 0)
@@ -110,5 +115,5 @@ def compare(run, flow, name="continuum"):
         stress_ratio_wall_dem=ratio,
         stress_ratio_wall_dem_error=ratio_error,
         stress_ratio_wall_continuum=float(flow.stress_ratio_wall),
-        reasons=few,
+        reasons=(*few, *remarks(run)),
     )

@@ -10,14 +10,16 @@ import numpy as np
 import xarray as xr
 
 from anisogran.comparison.calibration import fitted_amplitude, fitted_wall
-from anisogran.comparison.measured import measured
+from anisogran.comparison.measured import measured, remarks
 from anisogran.comparison.measures import exponential_fit, log_rms, near_l2
 from anisogran.comparison.pairing import compare, ring_flow, wall_stress_ratio
 from anisogran.continuum import LocalMuI, Nonlocal
 from anisogran.fitting import mean_and_error
 from anisogran.glossary import attributes
 from anisogran.outcome import InputError
+from anisogran.scenes.keys import keys_of
 
+OBSERVING = {"seed", "travel", "discard", "block", "samples_per_diameter", "frames"}  # keys that leave the cell as it is
 RIVALS = "local", "nonlocal", "nonlocal with wall", "exponential", "copy"
 
 
@@ -50,13 +52,15 @@ class Frozen:
 
 
 def frozen(runs, mu_s, b):
-    """The Frozen parameters from one or more runs of one cell that differ in the seed only.
+    """The Frozen parameters from one or more runs of one cell that differ in the seed only (or in how long and often it is looked at).
 
-    Raises InputError for no run, and what the fits raise.
+    Raises InputError for no run or runs of different cells, and what the fits raise.
     """
     runs = [measured(run, "frozen") for run in runs]
     if not runs:
         raise InputError("frozen: needs at least one run")
+    for run in runs[1:]:
+        same_cell(runs[0].scene, run.scene)
     alone, both = [fitted_amplitude(run, mu_s, b) for run in runs], [fitted_wall(run, mu_s, b) for run in runs]
     found = {"amplitude": (alone, "amplitude"), "amplitude_with_wall": (both, "amplitude"), "wall": (both, "wall")}
     values, errors = {}, {}
@@ -71,7 +75,16 @@ def frozen(runs, mu_s, b):
     profile = np.mean([run.profiles.v_phi.values[:count] / run.scene.wall_speed for run in runs], axis=0)
     copied = xr.DataArray(profile, {"depth": shortest.depth.values}, dims="depth")
     reasons = tuple(reason for one in (*alone, *both) for reason in one.status.reasons)
+    reasons += tuple(reason for run in runs for reason in remarks(run))
     return Frozen(mu_s, b, **values, exponential=exponential, profile=copied, errors=errors, reasons=reasons)
+
+
+def same_cell(first, other):
+    """Raises InputError if two scenes are not of the same cell."""
+    for key in ("kind", *(name for name in keys_of(first) if name not in OBSERVING)):
+        one, two = getattr(first, key), getattr(other, key, None)
+        if one != two:
+            raise InputError(f"frozen: the runs that are fitted must differ in the seed only, but {key} is {one} and {two}")
 
 
 def predictions(parameters, run):

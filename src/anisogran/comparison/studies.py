@@ -29,7 +29,7 @@ def study_runs(study, group):
             values = {cases[dim].attrs["key"]: cases[dim].values[k].item() for dim, k in at.items()}
             own = changed(scene, values)
             parts = over_time(series.isel(at), own), over_r(profiles.isel(at), own), over_r(blocks.isel(at), own)
-            runs[", ".join(f"{key}={value}" for key, value in values.items())] = Measured(own, *parts)
+            runs[", ".join(f"{key}={value}" for key, value in values.items())] = Measured(own, *parts, str(cases.message.isel(at).values))
     return runs
 
 
