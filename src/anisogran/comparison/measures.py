@@ -85,7 +85,7 @@ def best_exponential(profiles):
 
 def near_angle(profiles, name):
     """An angle of the profiles, such as rate_to_stress_angle, in degrees over the rings nearer than 8 d, and its standard error: the
-    mean of the rings, each by its own error."""
+    mean of the rings, each by its own error, as if they were independent. In the ring they are not: seeds differ by several of these."""
     used = near(profiles)
     value, error = (np.degrees(profiles[key].values[used]) for key in (name, f"{name}_error"))
     weight = 1.0 / error**2
