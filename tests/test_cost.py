@@ -73,7 +73,7 @@ def test_an_unknown_room_is_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cli.main(["cost", "kitchen"])
     assert end.value.code == 2
-    assert "cost kitchen: must be one of averaging, models" in capsys.readouterr().err
+    assert "cost kitchen: must be one of averaging, models, continuum, all" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
@@ -102,3 +102,66 @@ def test_integrators_of_the_laws_have_their_orders_and_the_default_is_marked(law
     for row in law_rows:
         assert set(row) == {"knob", "value", "error", "seconds", "default"}
         assert row["seconds"] > 0
+
+
+@pytest.fixture(scope="module")
+def ring_rows(tmp_path_factory):
+    return json.loads(priced("continuum", tmp_path_factory).read_text())["continuum"]
+
+
+def priced(room, tmp_path_factory):
+    """The file of the rows of a room, whose figure has been drawn."""
+    path = tmp_path_factory.mktemp("cost") / "cost.json"
+    with pytest.raises(SystemExit) as end:
+        cli.main(["cost", room, "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
+    assert end.value.code == 0
+    assert (path.parent / "pictures" / f"cost-{room}.png").stat().st_size > 10_000
+    return path
+
+
+def check_rows(rows, blocks):
+    """Every row has its keys and a price, and a knob one default, where it is a choice."""
+    for row in rows:
+        assert set(row) == {"knob", "value", "error", "seconds", "default"}
+        assert row["seconds"] > 0
+    knobs = {row["knob"] for row in rows if row["error"] is not None}
+    assert len(knobs) == blocks
+    for knob in knobs:
+        assert sum(row["default"] for row in block(rows, knob)) == 1, knob
+
+
+def test_the_ring_converges_with_mesh_and_rate_floor_at_their_orders(ring_rows):
+    check_rows(ring_rows, 18)
+    mesh = block(ring_rows, "elements along the radius: error of v_phi, nonlocal law")
+    assert slope(mesh[2:]) == pytest.approx(-3.0, abs=0.1)  # quadratic elements
+    mesh = block(ring_rows, "elements along the radius: error of the stress ratio, nonlocal law")
+    assert slope(mesh[1:5]) == pytest.approx(-4.0, abs=0.2)  # a force: twice the order of the rate; 256 is at the limit of the reference
+    floor = block(ring_rows, "rate_floor: error of v_phi, local law")
+    assert slope(floor[:4]) == pytest.approx(1.0, abs=0.03)  # creep in proportion; below, the mesh is seen
+
+
+def test_the_references_of_the_ring_are_better_than_the_defaults(ring_rows):
+    """The own error is told in the knob; a default is never within ten times of it."""
+    told = [row for row in ring_rows if "reference good to" in row["knob"] and row["default"]]
+    assert len(told) == 8
+    for row in told:
+        assert 0.0 < 10.0 * float(row["knob"].rpartition(" ")[2]) < row["error"]
+
+
+def test_iterations_cut_off_leave_an_error_and_the_default_does_not(ring_rows):
+    for law in ("local", "nonlocal"):
+        cut = block(ring_rows, f"max_iterations, the last iterate: error of v_phi, {law} law")
+        mesh = block(ring_rows, f"elements along the radius: error of v_phi, {law} law")
+        [default] = [row["error"] for row in mesh if row["default"]]
+        assert cut[-1]["default"]
+        assert cut[-1]["error"] == pytest.approx(default, rel=1e-6)
+        assert cut[0]["error"] > 100 * default
+
+
+def test_the_second_dimension_buys_nothing_but_for_a_ring_off_centre(ring_rows):
+    for law in ("local", "nonlocal"):
+        line, plane = block(ring_rows, f"dimension, 16 elements along: error of v_phi, {law} law")
+        assert plane["error"] == pytest.approx(line["error"], rel=1e-3)  # the same functions; Newton's tolerance squared lies below
+        assert plane["seconds"] > 2 * line["seconds"]
+    around = block(ring_rows, "elements_around: error of v_phi")
+    assert slope(around[1:]) < -3.0  # quadratic elements, of third order or more

@@ -9,20 +9,21 @@ from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
 from anisogran.outcome import InputError
 
-ROOMS = ("averaging", "models")
+ROOMS = ("averaging", "models", "continuum")
+EVERY = "all"
 
 
 @app.command()
 def cost(
-    room: Annotated[str, typer.Argument(help=f"{' or '.join(ROOMS)}.")],
+    room: Annotated[str, typer.Argument(help=f"{', '.join(ROOMS)} or {EVERY}.")],
     quick: Annotated[bool, typer.Option(help="Small samples: every row is there, the numbers are rough.")] = False,
     force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder for the figure, cost-ROOM.png.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the figures, cost-ROOM.png.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the rows, one key a room.")] = None,
 ):
-    """Error against seconds for each knob of a room, the default marked with a star, and the price of each field."""
-    if room not in ROOMS:
-        raise InputError(f"cost {room}: must be one of {', '.join(ROOMS)}")
+    """Error against seconds for each knob of a room, the default marked with a star, and the price of each field and effect."""
+    if room not in (*ROOMS, EVERY):
+        raise InputError(f"cost {room}: must be one of {', '.join((*ROOMS, EVERY))}")
     if json_file is not None:
         from anisogran.files.numbers import check_writable
 
@@ -30,14 +31,17 @@ def cost(
     folder = None if out is None else output_folder(out, "cost", force)
     from anisogran import cost as rooms
 
-    rows = rooms.ROOMS[room](quick)
-    if json_file is not None:
-        from anisogran.files import write_json
+    found = {}
+    for name in ROOMS if room == EVERY else (room,):
+        found[name] = rooms.ROOMS[name](quick)
+        print(f"\n== {name} ==\n" if room == EVERY else "", end="")
+        print(rooms.table_text(found[name]), flush=True)
+        if json_file is not None:
+            from anisogran.files import write_json
 
-        write_json(json_file, {room: rows})
-    print(rooms.table_text(rows))
-    if folder is not None:
-        from anisogran.plots import cost_figure
+            write_json(json_file, found)
+        if folder is not None:
+            from anisogran.plots import cost_figure
 
-        cost_figure(rows).savefig(folder / f"cost-{room}.png", dpi=150)
-        print(f"\n{folder / f'cost-{room}.png'}")
+            cost_figure(found[name]).savefig(folder / f"cost-{name}.png", dpi=150)
+            print(f"\n{folder / f'cost-{name}.png'}")

@@ -13,8 +13,9 @@ import numpy as np
 from anisogran.averaging import average, known_at, place_of
 from anisogran.averaging.places import grid_points
 from anisogran.averaging.smoothing_kernels import KERNELS, smoothing, standard_deviation
-from anisogran.benchmark import seconds_of, sheared_snapshot
+from anisogran.benchmark import sheared_snapshot
 from anisogran.cost.tables import row
+from anisogran.cost.timing import seconds_of
 from anisogran.experiments import SimpleShear
 
 WAVELENGTH = 20.0  # of the velocity wave in mean diameters: that of a shear zone
@@ -24,7 +25,7 @@ REPEATS = 3
 
 
 def averaging_cost(quick=False):
-    """Rows {knob, value, error, seconds, default} for the averages, a list; seconds are medians on one core, after compilation."""
+    """Rows {knob, value, error, seconds, default} for the averages, a list; processor seconds, medians."""
     snapshot = sheared_snapshot(2_000 if quick else 10_000)
     rows = width_rows(snapshot) + kernel_rows(snapshot) + grains_rows(snapshot)
     return rows + snapshots_rows(quick) + price_rows(snapshot)

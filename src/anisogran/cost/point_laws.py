@@ -6,9 +6,9 @@ as well: its own error of second order is taken out by extrapolation.
 
 import numpy as np
 
-from anisogran.benchmark import seconds_of
 from anisogran.benchmark.point_laws import EXACT, PARAMETERS, PRESSURE, some_points
 from anisogran.cost.tables import row
+from anisogran.cost.timing import seconds_of
 from anisogran.models import INTEGRATORS, LAWS, RungeKutta45, biaxial, element_test, pure_shear, simple_shear, updated
 
 PATHS = {  # to and back by a half
@@ -20,7 +20,7 @@ REPEATS = 5
 
 
 def models_cost(quick=False):
-    """Rows {knob, value, error, seconds, default} for the laws at a point, a list; seconds are medians on one core, after compilation."""
+    """Rows {knob, value, error, seconds, default} for the laws at a point, a list; processor seconds, medians."""
     rows = []
     for name, (law, control) in PATHS.items():
         rows += steps_rows(name, law, control, (100, 200, 400) if quick else (50, 100, 200, 400, 800, 1600))

@@ -2,10 +2,13 @@
 
 import math
 from itertools import groupby
+from textwrap import fill
 
 from matplotlib.ticker import NullFormatter
 
 from anisogran.plots.style import COLOURS, figure
+
+TITLE = 50  # letters in a line of a title
 
 
 def cost_figure(rows):
@@ -30,7 +33,7 @@ def cost_figure(rows):
             if row["default"]:
                 ax.loglog(row["seconds"], row["error"], "o", ms=12, mfc="none", mec=COLOURS["fit"], mew=1.5)
         ax.set(xlabel="seconds", ylabel="relative error", xlim=decades(seconds), ylim=decades(errors))
-        ax.set_title(f"{name}\n{meaning}", fontsize=9)
+        ax.set_title(f"{name}\n{fill(meaning, TITLE)}", fontsize=9)
         ax.grid(alpha=0.25, which="both")
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_minor_formatter(NullFormatter())
@@ -39,5 +42,5 @@ def cost_figure(rows):
 
 def decades(values):
     """The whole decades around the values, at least one, so that an axis has two labels, and room above for a text."""
-    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(1.3 * max(values)))
+    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(2.0 * max(values)))
     return 10.0**low, 10.0 ** max(high, low + 1)
