@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from anisogran import cli
+from anisogran import cli, fitting
+from anisogran.cost import curve_fits
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def test_an_unknown_room_is_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cli.main(["cost", "kitchen"])
     assert end.value.code == 2
-    assert "cost kitchen: must be one of averaging, models, continuum, all" in capsys.readouterr().err
+    assert "cost kitchen: must be one of averaging, models, fitting, continuum, all" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +166,64 @@ def test_the_second_dimension_buys_nothing_but_for_a_ring_off_centre(ring_rows):
         assert plane["seconds"] > 2 * line["seconds"]
     around = block(ring_rows, "elements_around: error of v_phi")
     assert slope(around[1:]) < -3.0  # quadratic elements, of third order or more
+
+
+@pytest.fixture(scope="module")
+def fit_rows(tmp_path_factory):
+    return json.loads(priced("fitting", tmp_path_factory).read_text())["fitting"]
+
+
+def linearised(points, memory=None):
+    """Standard errors of (s_0, s_max, beta) of a fit to the made-up curve, by differences and the covariance of its noise."""
+    eps_D = np.linspace(0.0, curve_fits.STRAIN, points)
+    truth = np.array([0.02, 0.45, 80.0])
+    curve = lambda s_0, s_max, beta: s_max - (s_max - s_0) * np.exp(-beta * eps_D)  # noqa: E731
+    slopes = np.array(
+        [(curve(*(truth + step)) - curve(*(truth - step))) / (2e-5 * at) for at, step in zip(truth, 1e-5 * np.diag(truth), strict=True)]
+    )
+    apart = np.abs(eps_D[:, None] - eps_D)
+    noise = 0.02**2 * (np.eye(points) if memory is None else np.exp(-apart / memory))
+    inverse = np.linalg.inv(slopes @ slopes.T)
+    return np.sqrt(np.diag(inverse @ slopes @ noise @ slopes.T @ inverse))
+
+
+@pytest.mark.parametrize("memory", [None, curve_fits.MEMORY])
+def test_errors_of_the_fits_are_those_of_linear_theory(memory):
+    """40 data sets tell an error to 11 %; 35 % are three of that."""
+    results = [fitting.relaxation(*one, until=None).values for one in curve_fits.data_sets(100, 40, memory=memory)]
+    for name, exact in zip(("s_0", "s_max", "beta"), linearised(100, memory), strict=True):
+        measured = np.sqrt(np.mean([(values[name] - curve_fits.TRUTH[name]) ** 2 for values in results]))
+        assert measured == pytest.approx(exact, rel=0.35), name
+
+
+def test_true_errors_are_those_of_linear_theory():
+    assert list(curve_fits.true_errors(400).values()) == pytest.approx(linearised(400), rel=1e-8)  # differences of second order
+
+
+def test_more_points_help_only_where_their_noise_is_their_own(fit_rows):
+    check_rows(fit_rows, 12)
+    for name in ("s_max", "beta"):
+        white = block(fit_rows, f"points, white noise: error of {name}")
+        assert [row["value"] for row in white] == [25, 100, 400, 1600]
+        assert slope(white) == pytest.approx(-0.5, abs=0.2)  # 10 data sets: 22 % of each error, 0.08 of the slope
+        correlated = block(fit_rows, f"points, noise with a memory of 0.017 of the path: error of {name}")
+        assert slope(correlated) > -0.25  # theory: a factor 0.9 from 100 points to 1600
+
+
+def test_a_curve_must_reach_its_plateau_and_outliers_want_a_robust_loss(fit_rows):
+    reached = block(fit_rows, "largest eps_D, 400 points: error of s_max")
+    assert reached[0]["error"] > 3 * reached[-1]["error"]
+    linear, robust = block(fit_rows, "loss, 100 points, 5% outliers: error of s_max")
+    assert linear["default"]
+    assert robust["error"] < linear["error"]
+    assert robust["seconds"] > 2 * linear["seconds"]
+
+
+def test_a_larger_bootstrap_knows_errors_better_up_to_what_the_data_know(fit_rows):
+    """The square of its error falls by 1/(2 samples), to that of the covariance."""
+    few, usual = (row["error"] for row in block(fit_rows, "samples of a bootstrap"))
+    assert few**2 - usual**2 == pytest.approx(0.5 / 20 - 0.5 / 200, rel=0.9)  # 10 data sets, 2 errors that hang together: 30 % each
+    covariance, profile, bootstrap = block(fit_rows, "kind of error bar")
+    assert bootstrap["error"] == usual
+    assert profile["error"] == pytest.approx(covariance["error"], rel=0.5)  # 400 points: the profile is all but a parabola
+    assert covariance["seconds"] < profile["seconds"] < bootstrap["seconds"]

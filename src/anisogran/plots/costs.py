@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter
 
 from anisogran.plots.style import COLOURS, figure
 
-TITLE = 50  # letters in a line of a title
+TITLE = 56  # letters in a line of a title
 
 
 def cost_figure(rows):
