@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import anisogran as ag
+from anisogran.comparison import study_runs
 from anisogran.experiments.scene_file import scene_from
 
 DATA = Path(__file__).parents[1] / "fits" / "data"
@@ -38,6 +39,20 @@ def test_the_stress_of_every_cell_is_in_balance(studies, file, cell):
     slope = np.diff(circles.cut_pressure * circles.r, axis=1) / np.diff(circles.r)
     residual = (slope - profiles.stress.isel(i=1, j=1).values)[:, slice(1, -1) if cell == "lecture" else slice(None)]
     assert (np.sqrt(np.mean(residual**2, axis=1)) < 0.03 * profiles.pressure.mean("r").values).all()
+
+
+def test_the_torques_on_both_rings_agree_within_their_errors(studies):
+    """Of 20 runs nearly all within two standard errors of 3 to 8 blocks, and all within 2 %: the sample takes up no torque on average."""
+    deviations = []
+    for file, cell in CELLS:
+        for run in study_runs(studies[file], cell).values():
+            steady, blocks = run.scene.steady(run.series), run.blocks.sizes["block"]
+            inner = steady.wall_shear_stress.values * run.scene.inner_radius**2
+            difference = (inner - (steady.outer_shear_stress * steady.outer_radius**2).values) / inner.mean()
+            means = [part.mean() for part in np.array_split(difference, blocks)]
+            assert abs(difference.mean()) < 0.02
+            deviations.append(abs(difference.mean()) / (np.std(means, ddof=1) / np.sqrt(blocks)))
+    assert np.mean(np.array(deviations) < 2) > 0.8
 
 
 @pytest.mark.parametrize(("file", "cell"), CELLS)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_up import LAW, made_up_run
 
 from anisogran.comparison import fitted_amplitude, fitted_wall
@@ -49,6 +50,18 @@ def test_errors_are_the_scatter_of_repeated_fits(fit, law):
     for name in fits[0].values:
         scatter = np.std([one.values[name] for one in fits], ddof=1)
         assert 0.4 < np.mean([one.errors[name] for one in fits]) / scatter < 2.5
+
+
+@pytest.mark.parametrize(("name", "half", "other"), [("amplitude", 0.007, "wall"), ("wall", 0.01, "amplitude")])
+def test_blocks_that_differ_in_one_parameter_make_an_error_of_that_alone(name, half, other):
+    """Each of two blocks obeys a law of its own: the standard error of their mean is half the difference of the two values."""
+    run = made_up_run(WALLED)
+    laws = [replace(WALLED, **{name: getattr(WALLED, name) + step}) for step in (-half, half)]
+    v_phi = [made_up_run(law).profiles.v_phi.values for law in laws]
+    blocks = xr.Dataset({"v_phi": (("block", "r"), v_phi)}, coords={"r": run.profiles.r})
+    errors = fitted_wall(replace(run, blocks=blocks), LAW.mu_s, LAW.b).errors
+    assert errors[name] == pytest.approx(half, rel=0.01)  # to first order
+    assert errors[other] < 0.02 * half
 
 
 def test_without_blocks_there_are_no_errors():

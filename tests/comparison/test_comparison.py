@@ -18,6 +18,7 @@ from anisogran.comparison import (
     log_rms,
     relative_l2,
     ring_flow,
+    wall_stress_ratio,
 )
 from anisogran.continuum import LocalMuI
 from anisogran.files import save_results
@@ -32,6 +33,30 @@ def test_equal_flows_do_not_differ():
     assert comparison.log_rms < 1e-10
     assert set(comparison.table.data_vars) == {"v_phi", "v_phi_dem", "v_phi_dem_error", "shear_rate", "inertial_number"}
     assert comparison.stress_ratio_wall_dem == pytest.approx(0.45 / 0.9)
+
+
+def test_the_stress_ratio_has_the_error_of_its_blocks():
+    """Ratios of 0.4 and 0.6 in two blocks of the steady part: 0.5 +- 0.1, whatever came before; of one block nothing is known."""
+    run = made_up_run()
+    steady = run.series.time.values > 20.0 / 0.04
+    series = run.series.copy()
+    series["wall_pressure"] = ("time", np.ones(11))
+    series["wall_shear_stress"] = ("time", np.where(steady, np.where(np.arange(11) < 7, 0.4, 0.6), 9.0))
+    for blocks, error in ((2, 0.1), (1, np.nan)):
+        profiles = run.profiles.assign_attrs(blocks=blocks)
+        np.testing.assert_allclose(wall_stress_ratio(replace(run, series=series, profiles=profiles)), (0.5, error))
+
+
+def test_the_error_of_the_flow_is_told_by_a_finer_mesh_and_a_lower_floor():
+    """Of a local law the floor counts, 1e-4 or 1e-5, in proportion; of a nonlocal one the mesh, 32 or 64 elements, by more than 2^3."""
+    run = made_up_run()
+    for law, changes, low, high in (
+        (LocalMuI(0.28, 1.1), ({"rate_floor": 1e-4}, {"rate_floor": 1e-5}), 9, 11),
+        (LAW, ({"elements": 32}, {"elements": 64}), 8, 32),
+    ):
+        large, small = (compare(run, replace(ring_flow(run, law), **change).solve()).l2_continuum for change in changes)
+        assert low * small < large < high * small
+        assert 1e-8 < small < 1e-4  # a mesh that is the same again differs by 1e-9 from the floor of a nonlocal law
 
 
 def test_problem_of_the_comparison_is_that_of_the_run():

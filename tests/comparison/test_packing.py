@@ -23,6 +23,18 @@ def test_a_ring_that_obeys_the_law_is_found_to():
     assert packing(run, flow, NU, SLOPE).rms == pytest.approx(0.01)  # the first ring does not count
 
 
+def test_a_looser_ring_reaches_farther():
+    """Two rings of the same grains, with and without the slope: what the flow takes is a I over the area, at the density of its end."""
+    run = made_up_run(wall_speed=0.4)
+    flow = ring_flow(run, LAW).solve()
+    run.profiles["area_fraction"] = run.profiles["area_fraction_error"] = ("r", np.zeros(8))
+    dense, loose = (packing(run, flow, NU, slope).outer_radius for slope in (0.0, SLOPE))
+    r = np.linspace(6.0, 15.0, 4001)
+    taken = SLOPE * np.trapezoid(2 * np.pi * r * np.asarray(flow.at(r).inertial_number), r) / NU
+    assert taken > 5.0
+    assert np.pi * (loose**2 - dense**2) == pytest.approx(taken, rel=1e-2)  # but for I = 0.001 beyond the flow
+
+
 @pytest.mark.parametrize("share", [0.7, 1.0, 1.2])
 def test_the_outer_ring_holds_all_grains(share):
     """At one density everywhere: the area between the rings is that of the grains over it, also beyond the flow."""

@@ -7,7 +7,7 @@ import pytest
 from made_up import LAW, made_up_run
 
 import anisogran as ag
-from anisogran.comparison import RIVALS, frozen, predictions
+from anisogran.comparison import RIVALS, best_exponential, frozen, predictions
 from anisogran.continuum import Nonlocal
 from anisogran.scenes.changes import changed
 
@@ -48,6 +48,12 @@ def test_the_copy_is_the_profile_in_wall_speeds_and_diameters(parameters):
     run = made_up_run(inner_radius=14.0, wall_speed=0.2)
     copied = predictions(parameters, run).v_phi.sel(rival="copy")
     np.testing.assert_allclose(copied, 5.0 * made_up_run().profiles.v_phi, rtol=1e-12)
+
+
+def test_the_exponential_is_that_of_the_cell_in_wall_speeds_and_diameters(parameters):
+    run = made_up_run(inner_radius=14.0, wall_speed=0.2)
+    told = predictions(parameters, run).v_phi.sel(rival="exponential")
+    np.testing.assert_allclose(told, 5.0 * best_exponential(made_up_run().profiles), rtol=1e-9)
 
 
 def test_several_runs_are_told_by_their_mean_and_scatter():
