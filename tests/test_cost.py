@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from anisogran import cli, fitting
-from anisogran.cost import curve_fits
+from anisogran.benchmark import made_packing
+from anisogran.cost import curve_fits, effects
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +75,7 @@ def test_an_unknown_room_is_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cli.main(["cost", "kitchen"])
     assert end.value.code == 2
-    assert "cost kitchen: must be one of averaging, models, fitting, continuum, all" in capsys.readouterr().err
+    assert "cost kitchen: must be one of dem, averaging, models, fitting, continuum, all" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
@@ -190,8 +191,8 @@ def linearised(points, memory=None):
 @pytest.mark.parametrize("memory", [None, curve_fits.MEMORY])
 def test_errors_of_the_fits_are_those_of_linear_theory(memory):
     """40 data sets tell an error to 11 %; 35 % are three of that."""
-    results = [fitting.relaxation(*one, until=None).values for one in curve_fits.data_sets(100, 40, memory=memory)]
-    for name, exact in zip(("s_0", "s_max", "beta"), linearised(100, memory), strict=True):
+    results = [fitting.relaxation(*one, until=None).values for one in curve_fits.data_sets(400, 40, memory=memory)]
+    for name, exact in zip(("s_0", "s_max", "beta"), linearised(400, memory), strict=True):
         measured = np.sqrt(np.mean([(values[name] - curve_fits.TRUTH[name]) ** 2 for values in results]))
         assert measured == pytest.approx(exact, rel=0.35), name
 
@@ -227,3 +228,61 @@ def test_a_larger_bootstrap_knows_errors_better_up_to_what_the_data_know(fit_row
     assert bootstrap["error"] == usual
     assert profile["error"] == pytest.approx(covariance["error"], rel=0.5)  # 400 points: the profile is all but a parabola
     assert covariance["seconds"] < profile["seconds"] < bootstrap["seconds"]
+
+
+@pytest.fixture(scope="module")
+def grain_rows(tmp_path_factory):
+    return json.loads(priced("dem", tmp_path_factory).read_text())["dem"]
+
+
+def test_grains_converge_to_closed_forms_with_the_time_step(grain_rows):
+    """To the restitutions exp(-g t_c/2 m12) and sqrt(k1/k2), and to a damped oscillator."""
+    check_rows(grain_rows, 11)
+    for name in ("restitution, dashpot", "relaxation of a damped chain"):
+        errors = block(grain_rows, f"steps in a contact time: {name}")
+        assert slope(errors[2:]) == pytest.approx(-1.0, abs=0.15)  # the dashpot sees the velocity of half a step ago
+        assert errors[-1]["error"] < 3e-3
+    errors = block(grain_rows, "steps in a contact time: restitution, hysteresis")
+    assert slope(errors[1:]) < -1.8  # kinks of a force that is continuous
+    assert errors[-1]["error"] < 1e-4
+
+
+def test_steady_flow_errs_less_with_more_grains_slower_and_stiffer(grain_rows):
+    grains = block(grain_rows, "grains: mu at I 0.1")
+    assert grains[0]["error"] > 1.5 * grains[-1]["error"]  # one over the root of 8, from the scatter alone
+    one, two = block(grain_rows, "seeds of 50 grains")
+    assert two["error"] < one["error"]
+    assert two["seconds"] == pytest.approx(2 * one["seconds"])
+    fast, slower, slow = block(grain_rows, "inertial number: mu")
+    assert fast["error"] > slower["error"] > slow["error"]
+    assert fast["error"] == pytest.approx(0.1 / 0.26, abs=0.2)  # mu = 0.26 + I about; scatter of 100 grains
+    assert fast["seconds"] < slow["seconds"]
+    phi = block(grain_rows, "p/k: phi")
+    assert phi[0]["error"] > phi[-1]["error"]
+
+
+def test_each_effect_has_its_price_beside_the_same_scene_without_it(grain_rows):
+    """Bounds leave room for a machine that is at work elsewhere."""
+    ratio = {}
+    for without, with_it in zip(*[iter(block(grain_rows, "price of"))] * 2, strict=True):
+        assert without["knob"] == with_it["knob"]
+        assert (without["value"], with_it["value"]) == ("without", "with")
+        ratio[without["knob"].removeprefix("price of ").partition(",")[0]] = with_it["seconds"] / without["seconds"]
+    assert len(ratio) == 7
+    assert 1.1 < ratio["friction and rotation"] < 2.0
+    assert 1.4 < ratio["the energy ledger"] < 3.5
+    assert 0.8 < ratio["background drag"] < 1.3
+
+
+def test_the_skin_of_the_neighbour_list_changes_rounding_only():
+    """It decides the order of grains in memory, and so that of sums; later a dense packing makes more of it, as of any rounding.
+
+    A contact that is not in the list for a single step would move its grains by 1e-10 of a radius or more.
+    """
+    packing = made_packing(200)
+    thin, thick = (effects.sheared(packing, skin) for skin in (effects.SKINS[0], effects.SKINS[-1]))
+    for simulation in (thin, thick):
+        simulation.run(300)
+        assert simulation.counters["late_builds"] == 0
+    assert thin.counters["builds"] > 3 * thick.counters["builds"]
+    np.testing.assert_allclose(thin.position, thick.position, rtol=0, atol=1e-12 * packing[1].min())
