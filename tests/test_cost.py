@@ -8,7 +8,8 @@ import pytest
 
 from anisogran import cli, fitting
 from anisogran.benchmark import made_packing
-from anisogran.cost import curve_fits, effects
+from anisogran.cli import cost_command
+from anisogran.cost import curve_fits, effects, rooms
 
 
 @pytest.fixture(scope="module")
@@ -286,3 +287,21 @@ def test_the_skin_of_the_neighbour_list_changes_rounding_only():
         assert simulation.counters["late_builds"] == 0
     assert thin.counters["builds"] > 3 * thick.counters["builds"]
     np.testing.assert_allclose(thin.position, thick.position, rtol=0, atol=1e-12 * packing[1].min())
+
+
+def test_all_rooms_are_gone_through_in_order(monkeypatch, tmp_path, capsys):
+    """Made-up rooms, since the real ones take minutes; the file is whole after each."""
+    rows = [{"knob": "step: error", "value": 1.0, "error": 0.1, "seconds": 0.01, "default": True}]
+    monkeypatch.setattr(
+        rooms, "ROOMS", {name: lambda quick, name=name: [row | {"knob": name} for row in rows] for name in ("dem", "fitting")}
+    )
+    with pytest.raises(SystemExit) as end:
+        cli.main(["cost", "all", "--json", str(tmp_path / "cost.json")])
+    assert end.value.code == 0
+    assert json.loads((tmp_path / "cost.json").read_text()) == {name: [rows[0] | {"knob": name}] for name in ("dem", "fitting")}
+    told = capsys.readouterr().out
+    assert told.index("== dem ==") < told.index("== fitting ==")
+
+
+def test_the_command_knows_the_rooms_there_are():
+    assert tuple(rooms.ROOMS) == cost_command.ROOMS

@@ -21,7 +21,10 @@ def cost(
     out: Annotated[Path | None, typer.Option(help="Folder for the figures, cost-ROOM.png.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the rows, one key a room.")] = None,
 ):
-    """Error against seconds for each knob of a room, the default marked with a star, and the price of each field and effect."""
+    """Error against seconds of the processor for each knob of a room, the default marked with a star, and the price of fields and effects.
+
+    `all` goes through the rooms one after the other, with --quick two at a time.
+    """
     if room not in (*ROOMS, EVERY):
         raise InputError(f"cost {room}: must be one of {', '.join((*ROOMS, EVERY))}")
     if json_file is not None:
@@ -29,13 +32,13 @@ def cost(
 
         check_writable(json_file, "--json ")
     folder = None if out is None else output_folder(out, "cost", force)
-    from anisogran import cost as rooms
+    from anisogran import cost as costs
 
     found = {}
-    for name in ROOMS if room == EVERY else (room,):
-        found[name] = rooms.ROOMS[name](quick)
+    for name, rows in costs.all_rows(quick) if room == EVERY else [(room, costs.rows_of(room, quick))]:
+        found[name] = rows
         print(f"\n== {name} ==\n" if room == EVERY else "", end="")
-        print(rooms.table_text(found[name]), flush=True)
+        print(costs.table_text(rows), flush=True)
         if json_file is not None:
             from anisogran.files import write_json
 
@@ -43,5 +46,5 @@ def cost(
         if folder is not None:
             from anisogran.plots import cost_figure
 
-            cost_figure(found[name]).savefig(folder / f"cost-{name}.png", dpi=150)
+            cost_figure(rows).savefig(folder / f"cost-{name}.png", dpi=150)
             print(f"\n{folder / f'cost-{name}.png'}")
