@@ -176,3 +176,18 @@ def test_without_friction_no_couples_are_summed():
 def test_what_does_not_fit_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("scene", [RingShear(**SMALL), RingShearVolume(**RingShearVolume.quick)], ids=["pressed", "closed"])
+def test_the_shear_has_friction_and_no_drag(scene):
+    """The grains are prepared the other way round; then the inner ring turns at its speed, and discs have the inertia of their kind."""
+    start = next(iter(scene.stages())).begin(None)
+    sheared = scene.turned(start)
+    assert start.effects.get("drag")
+    assert not start.effects.get("friction")
+    assert sheared.effects["friction"] == scene.friction
+    assert not sheared.effects.get("drag")
+    assert sheared.boundary.omega * scene.inner_radius == pytest.approx(scene.wall_speed)
+    assert sheared.boundary.outer_omega == 0
+    factor = 0.4 if scene.kind == "ring_shear" else 0.5  # spheres in a plane, cylinders
+    assert sheared.grains.inertia_factor == factor
