@@ -3,6 +3,7 @@
 import numpy as np
 
 from anisogran.plots import stress_crosses
+from anisogran.plots.ring import down_to
 
 
 def test_crosses_by_hand():
@@ -30,3 +31,9 @@ def test_a_cross_turns_with_the_stress():
     np.testing.assert_allclose(np.sort(size), [1 / 3, 1 / 3, 1.0, 1.0])
     for line in along[size > 0.9]:
         np.testing.assert_allclose(line[0], line[1])
+
+
+def test_a_curve_that_falls_at_once_is_still_a_line():
+    np.testing.assert_array_equal(down_to(0.1, np.array([3.0, 1.0, 0.05, 0.2])), [3.0, 1.0, 0.1, np.nan])
+    np.testing.assert_array_equal(down_to(0.1, np.array([3.0, 1e-9, 1e-12])), [3.0, 0.1, np.nan])
+    np.testing.assert_array_equal(down_to(0.1, np.array([3.0, np.nan, np.nan])), [3.0, np.nan, np.nan])

@@ -87,8 +87,14 @@ def predictions_figure(tables):
         dem = {"grains": (depth, table.v_phi_dem.values, table.v_phi_dem_error.values)}
         lowest = 0.1 * np.min(table.v_phi_dem.values, initial=np.inf, where=table.v_phi_dem.values > 0)
         curves = {
-            f"{name}, L2 = {float(table.l2.sel(rival=name)):.2g}": (depth, np.where(v > lowest, v, np.nan))
+            f"{name}, L2 = {float(table.l2.sel(rival=name)):.2g}": (depth, down_to(lowest, v))
             for name, v in zip(table.rival.values, table.v_phi.values, strict=True)
         }
         panels.append(Panel(f"depth {label('depth')}", label("v_phi"), curves, dem, title=title, log="y"))
     return panels_figure(panels, columns=min(3, len(panels)))
+
+
+def down_to(lowest, v):
+    """Values of a curve that ends where it first falls to the lowest value, so that one that does so at once is still a line."""
+    shown = np.append(True, np.cumprod(v[:-1] > lowest).astype(bool))
+    return np.where(shown, np.maximum(v, lowest), np.nan)
