@@ -11,6 +11,7 @@ from anisogran import cli
 from anisogran.cli.compare_command import titles
 from anisogran.comparison import fitted_amplitude, frozen, predictions
 from anisogran.files import save_results
+from anisogran.scenes.writing import scene_text
 
 
 def run(capsys, *arguments):
@@ -64,10 +65,13 @@ def test_friction_comes_from_a_file_of_homogeneous_shear_and_a_lone_run_is_fitte
     mu = np.where(inertial < 0.2, 0.29 + 1.1 * inertial, 9.0)  # beyond 0.2 the law is not meant: it must not count
     steady = {"inertial_number": inertial, "stress_ratio": mu, "stress_ratio_error": np.full(12, 1e-3)}
     data = xr.Dataset({name: ("inertial_number_asked", value) for name, value in steady.items()})
-    save_results(tmp_path / "shear.h5", {"shear/steady": data}, {})
+    scene = ag.SimpleShear(friction=ag.Friction(stiffness=500.0, mu=0.3), size_ratio=2.0)
+    cases = xr.Dataset({"state": ("seed", ["finished"])}, attrs={"scene": scene_text(scene)})
+    save_results(tmp_path / "shear.h5", {"shear/cases": cases, "shear/steady": data}, {})
     code, printed, _ = run(capsys, rings[0], "--friction", tmp_path / "shear.h5", "--out", tmp_path / "out", "--json", tmp_path / "n.json")
     assert code == 0
     assert "(fitted on this very run)" in printed
+    assert f"shear.h5; of other grains: mu = 0.3, in {rings[0]} 0.44)" in printed
     told = json.loads((tmp_path / "n.json").read_text())
     assert told["parameters"]["mu_s"] == pytest.approx(0.29, abs=1e-9)
     assert told["parameters"]["b"] == pytest.approx(1.1, abs=1e-8)

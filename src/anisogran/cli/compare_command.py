@@ -33,9 +33,9 @@ def compare(
         check_writable(json_file, "--json ")
     from anisogran.comparison import frozen, predictions
 
-    law = friction_law(friction, mu_s, b)
-    own = calibrate or runs[:1]
+    law, own = friction_law(friction, mu_s, b), calibrate or runs[:1]
     measured = {path: ring_run(path) for path in dict.fromkeys([*own, *runs])}
+    law["source"] += "".join(other_grains(friction, path, run.scene) for path, run in measured.items() if friction is not None)
     parameters = frozen([measured[path] for path in own], law["mu_s"], law["b"])
     tables = {str(path): predictions(parameters, measured[path]) for path in runs}
     folder = output_folder(out, "compare", force)
@@ -67,6 +67,24 @@ def friction_law(path, mu_s, b):
     fit = homogeneous_friction(open_results(path, holds="shear/steady")["shear/steady"].to_dataset())
     remarks = "" if fit.verdict else f"; not trustworthy: {'; '.join(fit.verdict.reasons)}"
     return {**fit.values, "mu_s_error": fit.errors["mu_s"], "b_error": fit.errors["b"], "source": f"fitted to {path}{remarks}"}
+
+
+def other_grains(study, path, scene):
+    """What a reader must know if the grains of a study of homogeneous shear are others than those of a run, as text."""
+    from anisogran.experiments.scene_file import scene_from
+    from anisogran.files import open as open_results
+
+    results = open_results(study)
+    if "shear/cases" not in {group.lstrip("/") for group in results.groups}:
+        return ""
+    pairs = zip(grain_numbers(scene_from(results["shear/cases"].attrs["scene"], str(study))), grain_numbers(scene), strict=True)
+    words = [f"{name} = {there}, in {path} {here}" for (name, there), (_, here) in pairs if there != here]
+    return f"; of other grains: {', '.join(words)}" if words else ""
+
+
+def grain_numbers(scene):
+    """((name, value), ...) of what makes the friction of a sample and does not depend on units."""
+    return (("mu", None if scene.friction is None else scene.friction.mu), ("size_ratio", getattr(scene, "size_ratio", None)))
 
 
 def ring_run(path):
