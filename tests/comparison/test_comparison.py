@@ -17,10 +17,11 @@ from anisogran.comparison import (
     equilibrium,
     log_rms,
     relative_l2,
+    ring_edges,
     ring_flow,
     wall_stress_ratio,
 )
-from anisogran.continuum import LocalMuI
+from anisogran.continuum import LocalMuI, local_mu_i
 from anisogran.files import save_results
 
 
@@ -47,16 +48,33 @@ def test_the_stress_ratio_has_the_error_of_its_blocks():
         np.testing.assert_allclose(wall_stress_ratio(replace(run, series=series, profiles=profiles)), (0.5, error))
 
 
-def test_the_error_of_the_flow_is_told_by_a_finer_mesh_and_a_lower_floor():
-    """Of a local law the floor counts, 1e-4 or 1e-5, in proportion; of a nonlocal one the mesh, 32 or 64 elements, by more than 2^3."""
+def test_the_error_of_a_nonlocal_flow_is_told_by_a_finer_mesh():
+    """32 or 64 elements, by more than 2^3."""
     run = made_up_run()
-    for law, changes, low, high, least in (
-        (LocalMuI(0.28, 1.1), ({"rate_floor": 1e-4}, {"rate_floor": 1e-5}), 9, 11, 1e-5),  # of the mesh alone 1e-6
-        (LAW, ({"elements": 32}, {"elements": 64}), 8, 32, 1e-8),  # of the floor alone 1e-9
-    ):
-        large, small = (compare(run, replace(ring_flow(run, law), **change).solve()).l2_continuum for change in changes)
-        assert low * small < large < high * small
-        assert least < small < 1e-4
+    large, small = (compare(run, replace(ring_flow(run, LAW), elements=elements).solve()).l2_continuum for elements in (32, 64))
+    assert 8 * small < large < 32 * small
+    assert 1e-8 < small < 1e-4  # of the floor alone 1e-9
+
+
+def test_the_error_of_a_flow_is_told_by_a_lower_floor():
+    """The floor of a nonlocal law in proportion, where it counts more than the mesh."""
+    run = made_up_run()
+    flows = (replace(ring_flow(run, LAW), elements=256, rate_floor=floor).solve() for floor in (1e-3, 1e-4))
+    large, small = (compare(run, flow).l2_continuum for flow in flows)
+    assert 8 * small < large < 12 * small
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.04, 0.06, 0.16])
+def test_the_error_told_of_a_local_flow_is_no_smaller_than_the_true_one(speed):
+    """Against the closed form, averaged over the rings by many points; its kink lies anywhere in the mesh. Measured: 0.8 to 3.4 of it."""
+    law, run = LocalMuI(0.28, 1.1), made_up_run(wall_speed=speed)
+    flow = ring_flow(run, law).solve()
+    edges = ring_edges(run.profiles)
+    r = np.linspace(edges[:-1], edges[1:], 4001)
+    exact = local_mu_i(r, speed, law, 6.0, 15.0, 1.0, np.pi / 6)
+    truth = np.sum(exact * r, axis=0) / np.sum(r, axis=0)
+    v_phi = flow.ring_average(edges).v_phi
+    assert compare(run, flow).l2_continuum > 0.7 * relative_l2(v_phi, truth, run.profiles.r.values)
 
 
 def test_problem_of_the_comparison_is_that_of_the_run():
