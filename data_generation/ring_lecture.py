@@ -13,8 +13,8 @@ import argparse
 
 from anisogran import RingShear, RingShearVolume, study
 
-LECTURE = {"frames": 0}
-SMOOTH = {"wall_disc": 0.25, "wall_spacing": 0.25, "travel": 140.0, "discard": 40.0, "frames": 0}
+LECTURE = {"samples_per_diameter": 20, "frames": 0}
+SMOOTH = {"wall_disc": 0.25, "wall_spacing": 0.25, "travel": 140.0, "discard": 40.0, "samples_per_diameter": 20, "frames": 0}
 SERIES = [
     "turns", "wall_shear_stress", "wall_pressure", "outer_radius", "outer_pressure", "outer_shear_stress", "kinetic_energy",
 ]  # fmt: skip

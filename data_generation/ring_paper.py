@@ -11,7 +11,7 @@ import argparse
 
 from anisogran import RingShear, study
 
-CELL = {"n": 3100, "inner_radius": 14.0, "travel": 200.0, "discard": 100.0, "frames": 0}
+CELL = {"n": 3100, "inner_radius": 14.0, "travel": 200.0, "discard": 100.0, "samples_per_diameter": 20, "frames": 0}
 SEEDS = range(1, 3)
 SERIES = [
     "turns", "wall_shear_stress", "wall_pressure", "outer_radius", "outer_pressure", "outer_shear_stress", "kinetic_energy",

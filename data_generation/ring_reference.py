@@ -13,7 +13,7 @@ import math
 
 from anisogran import Friction, Linear, RingShear, study
 
-TRAVEL = {"travel": 160.0, "discard": 40.0, "frames": 0}
+TRAVEL = {"travel": 160.0, "discard": 40.0, "samples_per_diameter": 20, "frames": 0}
 SEEDS = {"reference": [1, 2, 3], "stiff": [1], "slow": [1]}  # the others have two
 SERIES = [
     "turns", "wall_shear_stress", "wall_pressure", "outer_radius", "outer_pressure", "outer_shear_stress", "kinetic_energy",

@@ -194,6 +194,7 @@ def test_every_script_is_tested():
     tests = (
         Path(__file__),
         Path(__file__).with_name("test_lecture_figures.py"),
+        Path(__file__).with_name("test_ring_figures.py"),
         Path(__file__).parent / "fitting" / "test_lecture_cohesion.py",
     )
     here = "".join(path.read_text() for path in tests)

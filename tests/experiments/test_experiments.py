@@ -489,7 +489,7 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         ),
         (
             lambda: RingShear(travel=1e9),
-            r"RingShear: travel = 1e\+09 and samples_per_diameter = 20 make 2e\+10 rows of the series; at most",
+            r"RingShear: travel = 1e\+09 and samples_per_diameter = 10 make 1e\+10 rows of the series; at most",
         ),
         (lambda: SimpleShear(strain=1e9), r"SimpleShear: strain = 1e\+09 and samples_per_strain = 50 make 5e\+10 rows of the series"),
         (lambda: SimpleShear(inertial_number=0.1, rate=0.2), "inertial_number = 0.1 and rate = 0.2 1/s: give one of them"),

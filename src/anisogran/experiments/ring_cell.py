@@ -59,10 +59,10 @@ class RingCell(Experiment):
     wall_disc: float = scene_key("1", "diameter of the discs on the rings, in mean diameters of the grains", 1.0, above=0, at_most=10)
     wall_spacing: float = scene_key("1", "from disc to disc along the rings, in mean diameters", 1.5, at_least=0.05, at_most=10)
     wall_speed: float = scene_key("m/s", "speed of the inner ring at its radius", 0.04, above=0)
-    travel: float = scene_key("1", "wall travel in mean diameters", 130.0, above=0, at_most=1e9)
-    discard: float = scene_key("1", "wall travel before averaging begins, in mean diameters", 30.0, at_least=0, at_most=1e9)
+    travel: float = scene_key("1", "wall travel in mean diameters", 120.0, above=0, at_most=1e9)
+    discard: float = scene_key("1", "wall travel before averaging begins, in mean diameters", 20.0, at_least=0, at_most=1e9)
     block: float = scene_key("1", "wall travel of a block for the error bars, in mean diameters", 20.0, above=0, at_most=1e9)
-    samples_per_diameter: int = scene_key("1", "rows of the series per mean diameter of wall travel", 20, at_least=1, at_most=MANY)
+    samples_per_diameter: int = scene_key("1", "rows of the series per mean diameter of wall travel", 10, at_least=1, at_most=MANY)
     frames: int = scene_key("1", "snapshots of the averaged part that are kept", 20, at_least=0, at_most=MANY)
     seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
 
