@@ -51,7 +51,8 @@ def filmed(space, problem, film, x, history):
         except NotConverged:
             x = None
     if x is None:
-        x = staged(space, problem, history)[-1][1]
+        known, system = staged(space, problem, history)
+        x = known[-1][1]
     return x, system.reaction(x)
 
 

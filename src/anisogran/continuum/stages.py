@@ -7,7 +7,8 @@ from anisogran.continuum.walls import columns, equations, sticking, wall_velocit
 
 
 def staged(space, problem, history):
-    """[(rate floor, unknowns), ...] with Coulomb walls that stick, the floor lowered in the steps of the law to the wanted one."""
+    """[(rate floor, unknowns), ...] with Coulomb walls that stick, the floor lowered in the steps of the law to the wanted one, and the
+    System of this last one."""
     x, known = first_guess(space, problem), []
     system = equations(space, problem, problem.setting(), sticking(space))
     for floor in floors(problem.law, problem.floor):
@@ -18,7 +19,7 @@ def staged(space, problem, history):
             x = alternated(system, x, history, problem.max_iterations)
         x = newton(system, x, history, problem.max_iterations, balanced=False)
         known.append((floor, x))
-    return known
+    return known, system
 
 
 def floors(law, last):

@@ -70,14 +70,14 @@ def levels(problem):
 def started(space, problem, history):
     """The Solution on the coarsest mesh, from nothing, and the influence of the rate floor (see `solved`)."""
     signs = sticking(space)
-    known = staged(space, problem, history)
+    known, system = staged(space, problem, history)
     x = known[-1][1]
-    reaction = equations(space, problem, problem.setting(), signs).reaction(x)
+    reaction = system.reaction(x)
     signs = weakest(space, problem, reaction, slip_signs(space, problem, x, reaction, signs))
     if any(sign.any() for sign in signs.values()):
         x = let_go(space, problem, signs, history)
-        known = []
-    solution = slipped(space, problem, x, signs, history)
+        known, system = [], None
+    solution = slipped(space, problem, x, signs, history, system)
     if np.abs(solution.x[space.part["u_phi"]]).max() < AT_REST:
         return solution, 0.0
     known = [*known[:-1], (problem.floor, solution.x)]
@@ -89,14 +89,15 @@ def started(space, problem, history):
     return solution, norm(space, moved) / norm(space, solution.x)
 
 
-def slipped(space, problem, x, signs, history):
-    """The Solution from a start x, with the places of Coulomb walls that slip found in turn with the flow."""
+def slipped(space, problem, x, signs, history, system=None):
+    """The Solution from a start x, with the places of Coulomb walls that slip found in turn with the flow; `system` for these signs."""
     for _ in range(SWITCHES):
-        system = equations(space, problem, problem.setting(), signs)
+        system = system or equations(space, problem, problem.setting(), signs)
         x = newton(system, carried(space, problem, x, signs), history, problem.max_iterations)
         before, signs = signs, slip_signs(space, problem, x, system.reaction(x), signs)
         if all(np.array_equal(signs[outer], before[outer]) for outer in signs):
             return Solution(space, x, system, signs)
+        system = None
     raise NotConverged(f"continuum: the places where the walls slip still change after {SWITCHES} rounds", history, x)
 
 
