@@ -479,7 +479,7 @@ def test_a_saved_run_holds_all_of_it(ring, tmp_path):
         (lambda: Biaxial(n=3), "Biaxial: n = 3 must be at least 20"),
         (lambda: RingShear(wall_speed="fast"), "RingShear: wall_speed = 'fast' is not a number"),
         (lambda: SimpleShear(inertial_number=float("nan")), "SimpleShear: inertial_number = nan must be a finite number"),
-        (lambda: RingShear(travel=45.0), "travel = 45 must be at least discard \\+ block = 30 \\+ 20, or there is nothing to average"),
+        (lambda: RingShear(travel=35.0), "travel = 35 must be at least discard \\+ block = 20 \\+ 20, or there is nothing to average"),
         (lambda: RingShear(n=60), "RingShear: the grains fill a gap of 1.1 mean diameters; 4.5 are needed"),
         (lambda: RingShear(inner_radius=0.8), "inner_radius = 0.8 m must be at least two mean diameters"),
         (lambda: RingShear(block=0.02), "block = 0.02 holds no sample"),

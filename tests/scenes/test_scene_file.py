@@ -221,7 +221,7 @@ def test_a_mistake_is_one_line_and_the_schema_knows_it(text, words, complaint):
             "[friction] mu_dynamic = 0.2 must be at most 0.1",
         ),
         ('kind = "simple_shear"\nrate = 1\ninertial_number = 0.1', "inertial_number = 0.1 and rate = 1 1/s: give one of them"),
-        ('kind = "ring_shear"\ntravel = 10', "travel = 10 must be at least discard + block = 30 + 20, or there is nothing to average"),
+        ('kind = "ring_shear"\ntravel = 10', "travel = 10 must be at least discard + block = 20 + 20, or there is nothing to average"),
         ('kind = "ring_shear"\ninner_radius = 1e9\nmean_diameter = 1e9', "inner_radius = 1e+09 m must be at least two mean diameters"),
     ],
 )
@@ -335,7 +335,7 @@ def test_changed_scenes():
     for changes, words in (
         ({"contact.k1": 2.0}, r"^RingShear: \[contact\] unknown key 'k1', did you mean .*\? linear has stiffness, damping$"),
         ({"friction.mu": -1.0}, r"^RingShear: \[friction\] mu = -1 must be at least 0$"),
-        ({"travel": 45.0}, r"^RingShear: travel = 45 must be at least discard \+ block = 30 \+ 20"),
+        ({"travel": 35.0}, r"^RingShear: travel = 35 must be at least discard \+ block = 20 \+ 20"),
         ({"seeds": 50.0}, "^RingShear: unknown key 'seeds', did you mean 'seed'"),
     ):
         with pytest.raises(InputError, match=words):
