@@ -8,16 +8,15 @@ import sys
 import numpy as np
 
 import anisogran as ag
-
-LARGEST = 0.2  # the linear law is not meant for faster flow
+from anisogran.comparison import homogeneous_friction
 
 
 def main(path):
     """Print the fits and the points; return the FitResult of mu(I)."""
     steady = ag.open(path, holds="shear/steady")["shear/steady"].to_dataset()
     data = steady.stack(test=["inertial_number_asked", "seed"]).dropna("test", subset=["stress_ratio"])
-    data = data.isel(test=data.inertial_number.values < LARGEST)
-    fit = ag.fit.mu_of_I(data.inertial_number.values, data.stress_ratio.values, data.stress_ratio_error.values)
+    data = data.isel(test=data.inertial_number.values < ag.models.LINEAR_LIMIT)
+    fit = homogeneous_friction(data)
     print(fit)
     print(ag.fit.area_fraction(data.inertial_number.values, data.area_fraction.values, data.area_fraction_error.values))
     print("       I        mu     error    fit     area fraction   angle [degrees] of stress and fabric from the strain rate")

@@ -67,7 +67,8 @@ def own_fits(name, runs, mu_s, b):
 def print_structure(runs, law, steady):
     """Prints what the homogeneous laws say of density and angles, beside the grains."""
     inertial, nu, error = (steady[name].values.ravel() for name in ("inertial_number", "area_fraction", "area_fraction_error"))
-    dense = ag.fit.area_fraction(inertial[inertial < 0.2], nu[inertial < 0.2], error[inertial < 0.2])
+    used = inertial < ag.models.LINEAR_LIMIT
+    dense = ag.fit.area_fraction(inertial[used], nu[used], error[used])
     print(f"\nhomogeneous shear: {dense}")
     print("area fraction, x < 8 d but for the first ring: rms difference; outer radius (predicted - grains)/d; angles in degrees from the")
     print("strain rate over x < 8 d, which are 0 in the continuum; mean ~ scatter from seed to seed")

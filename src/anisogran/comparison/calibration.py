@@ -18,6 +18,7 @@ from anisogran.outcome import InputError, NotConverged, Status
 
 AMPLITUDES = 0.1, 2.0  # grain diameters
 EXCHANGES = -3.0, 0.9  # kappa A / sqrt(mu_s): at 1 a wall at rest would fluidise the grains
+NAMES = {"amplitude": "nonlocal amplitude", "wall": "exchange of fluidity at the wall"}  # in the order of the coordinates
 STEP = 1e-3  # of the derivatives for the errors, in the logarithm of A and in kappa A / sqrt(mu_s)
 
 
@@ -58,20 +59,20 @@ class _Misfit:
         steps = STEP * np.eye(len(x))
         return np.stack([(self(x + step) - self(x - step)) / (2 * STEP) for step in steps], axis=1)
 
-    def found(self, x, names, near_bound):
+    def found(self, x, near_bound):
         """The Calibration at x."""
         law = self.law(x)
         values = {"amplitude": law.amplitude} | ({"wall": law.wall} if len(x) > 1 else {})
         status = Status()
         for name in near_bound:
-            status = status.warn(f"the best {names[name]} {values[name]:.3g} lies at the bound of its range")
+            status = status.warn(f"the best {NAMES[name]} {values[name]:.3g} lies at the bound of its range")
         return Calibration(law, values, self.errors(x, law), float(np.linalg.norm(self(x))), status)
 
     def errors(self, x, law):
         """Standard errors from the scatter of the blocks; NaN without two blocks."""
         blocks = self.run.blocks
         if blocks is None or blocks.sizes["block"] < 2:
-            return dict.fromkeys(["amplitude", "wall"][: len(x)], float("nan"))
+            return dict.fromkeys(list(NAMES)[: len(x)], float("nan"))
         parts = self.weight * (blocks.v_phi.transpose("block", "r").values[:, self.used] - self.dem)
         moved = parts @ np.linalg.pinv(self.slopes(x)).T  # (block, coordinate)
         if len(x) == 1:
@@ -80,10 +81,7 @@ class _Misfit:
             wall = sqrt(self.mu_s) / law.amplitude * moved[:, 1] - law.wall * moved[:, 0]
             physical = np.stack([law.amplitude * moved[:, 0], wall], axis=1)
         errors = physical.std(axis=0, ddof=1) / np.sqrt(len(physical))
-        return dict(zip(["amplitude", "wall"], map(float, errors), strict=False))
-
-
-NAMES = {"amplitude": "nonlocal amplitude", "wall": "exchange of fluidity at the wall"}
+        return dict(zip(NAMES, map(float, errors), strict=False))
 
 
 def fitted_amplitude(run, mu_s, b, bounds=AMPLITUDES):
@@ -97,7 +95,7 @@ def fitted_amplitude(run, mu_s, b, bounds=AMPLITUDES):
     misfit = _Misfit(measured(run, "fitted_amplitude"), mu_s, b)
     found = minimize_scalar(lambda x: np.linalg.norm(misfit([x])), bounds=np.log(bounds), method="bounded", options={"xatol": 1e-3})
     at_bound = min(abs(found.x - np.log(bounds))) < 5e-3
-    return misfit.found(np.array([found.x]), NAMES, ["amplitude"] if at_bound else [])
+    return misfit.found(np.array([found.x]), ["amplitude"] if at_bound else [])
 
 
 def fitted_wall(run, mu_s, b, bounds=AMPLITUDES):
@@ -112,4 +110,4 @@ def fitted_wall(run, mu_s, b, bounds=AMPLITUDES):
     if not found.success:
         raise NotConverged(f"fitted_wall: {found.message}", [found.cost], found.x)
     at_bound = np.min(np.abs(found.x - limits), axis=0) < 5e-3
-    return misfit.found(found.x, NAMES, [name for name, at in zip(NAMES, at_bound, strict=True) if at])
+    return misfit.found(found.x, [name for name, at in zip(NAMES, at_bound, strict=True) if at])

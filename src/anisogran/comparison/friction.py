@@ -3,8 +3,7 @@
 import numpy as np
 
 from anisogran.fitting import mu_of_I
-
-LARGEST = 0.2  # inertial number: the linear law is not meant for faster flow
+from anisogran.models import LINEAR_LIMIT
 
 
 def homogeneous_friction(steady):
@@ -13,5 +12,5 @@ def homogeneous_friction(steady):
     Of a study this is the group "shear/steady", see data_generation/ring_friction_law.py. Raises InputError as `fitting.mu_of_I` does.
     """
     inertial, mu, error = (np.ravel(steady[name].values) for name in ("inertial_number", "stress_ratio", "stress_ratio_error"))
-    used = inertial < LARGEST
+    used = inertial < LINEAR_LIMIT  # the law is not meant for faster flow
     return mu_of_I(inertial[used], mu[used], error[used])
