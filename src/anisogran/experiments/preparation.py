@@ -13,7 +13,7 @@ ATTEMPTS = 200  # looks for equilibrium, after which a preparation is given up
 MOST_STEPS = 1e14  # of a time; a single grain would take months
 
 
-def quasi_static_step(contact, friction, mass, contact_steps=20.0, drag=None):
+def quasi_static_step(contact, friction, mass, contact_steps, drag=None):
     """The time step of the experiments in s: that part of the shortest contact time, less for strong dashpots and for drag.
 
     A twentieth gives the restitution to 1.6 %.

@@ -62,6 +62,7 @@ class RingCell(Experiment):
     travel: float = scene_key("1", "wall travel in mean diameters", 120.0, above=0, at_most=1e9)
     discard: float = scene_key("1", "wall travel before averaging begins, in mean diameters", 20.0, at_least=0, at_most=1e9)
     block: float = scene_key("1", "wall travel of a block for the error bars, in mean diameters", 20.0, above=0, at_most=1e9)
+    contact_steps: float = scene_key("1", "time steps in the shortest contact time", 20.0, at_least=5, at_most=1000)
     samples_per_diameter: int = scene_key("1", "rows of the series per mean diameter of wall travel", 10, at_least=1, at_most=MANY)
     frames: int = scene_key("1", "snapshots of the averaged part that are kept", 20, at_least=0, at_most=MANY)
     seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
@@ -102,7 +103,7 @@ class RingCell(Experiment):
 
     def step(self):
         """The time step in s."""
-        return quasi_static_step(self.contact, self.friction, self.mass())
+        return quasi_static_step(self.contact, self.friction, self.mass(), self.contact_steps)
 
     def shearing_marks(self):
         """The steps of the shear at which it is looked at."""

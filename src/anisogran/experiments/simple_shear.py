@@ -55,6 +55,7 @@ class SimpleShear(Experiment):
     density: float = scene_key("kg/m3", "density of the grains, which have the mass of spheres", 1.0, above=0)
     strain: float = scene_key("1", "shear strain at the end", 5.0, above=0, at_most=1e9)
     discard: float = scene_key("1", "shear strain before averaging begins", 1.5, at_least=0, at_most=1e9)
+    contact_steps: float = scene_key("1", "time steps in the shortest contact time", 20.0, at_least=5, at_most=1000)
     samples_per_strain: int = scene_key("1", "rows of the series per unit of shear strain", 50, at_least=5, at_most=MANY)
     frames: int = scene_key("1", "snapshots of the averaged part that are kept", 20, at_least=0, at_most=MANY)
     seed: int = scene_key("1", "of the random start", 0, at_least=0, at_most=LARGEST_SEED)
@@ -101,7 +102,7 @@ class SimpleShear(Experiment):
 
     def step(self, radius):
         """The time step in s."""
-        return quasi_static_step(self.contact, self.friction, sphere_mass(radius, self.density))
+        return quasi_static_step(self.contact, self.friction, sphere_mass(radius, self.density), self.contact_steps)
 
     def rate_scale(self, radius):
         """sqrt(pressure/mean mass) in 1/s, in which rates are measured."""
