@@ -5,6 +5,8 @@ import signal
 import numpy as np
 import pytest
 
+pytest_plugins = ["hard_case_page"]
+
 
 @pytest.fixture(autouse=True, scope="session")
 def hear_interrupts():

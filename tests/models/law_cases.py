@@ -3,6 +3,7 @@
 import numpy as np
 
 from anisogran.models import LAWS, PointState, biaxial, law_parameters, pure_shear
+from hard_case_page import NOT_ASKED
 
 ANISOTROPIC = {"E": 1e5, "B": 5e4, "s_max": 0.3, "A_max": 2e4, "beta_F": 80.0}
 PARAMETERS = {
@@ -19,14 +20,7 @@ OF_STRESS = {  # parameters that grow with the unit of stress
 }
 INTERNAL_OF_STRESS = {"A", "A_1", "A_2"}
 START = dict.fromkeys(LAWS, 100.0) | {"mu_of_I": {"area_fraction": 0.8}}
-NO_MEANING = {  # (case of the design's list, law): why the case says nothing about the law
-    ("C1", "mohr_coulomb"): "its elasticity does not couple volume and shear: E, G > 0 is all there is to ask",
-    ("C1", "mu_of_I"): "it has no stiffness",
-    ("C3", "scalar"): "its axes are those of the box",
-    ("C6", "mu_of_I"): "its stress follows from the rate: none can be given at the start",
-    ("C8", "mu_of_I"): "no pressure is its state of rest",
-    ("C9", "mu_of_I"): "its pressure is a square",
-    ("C13", "mu_of_I"): "its stress is that of a rate: at rest there is none to start a prescribed one from",
+NO_MEANING = {one: reason for one, reason in NOT_ASKED.items() if one[1] in LAWS} | {  # (case, law): why it says nothing about the law
     ("O11", "mohr_coulomb"): "it has no anisotropy, and no gradual approach",
     ("O11", "mu_of_I"): "it has no anisotropy",
     ("M2", "scalar"): "it knows no rate",
