@@ -21,7 +21,8 @@ import pytest
 LIST = tomllib.loads((Path(__file__).parent / "hard_cases.toml").read_text())
 NOT_ASKED = {(case, member): reason for case, reasons in LIST["not_asked"].items() for member, reason in reasons.items()}
 COMMAND = "pytest -m hard_case --hard-cases tests/HARD_CASES.md"
-LONGEST = 110  # characters of a message in a cell
+MOST, LONGEST = 2, 110  # messages in a cell, and their characters
+NUMBER = re.compile(r"\d[\d.e+-]*")
 HOLE, FAILED = "**hole**", "**FAILED**"
 ONCE = "outcome"  # the one column of a table without members
 
@@ -58,9 +59,9 @@ class Answer:
     def __init__(self, item):
         self._found = item.user_properties
 
-    def computed(self, error, quantity=""):
+    def computed(self, error, quantity="computed"):
         """To this error, relative unless the name of the quantity says otherwise; of several tests the page shows the largest."""
-        self._found.append(("found", [f"{quantity}: computed to".removeprefix(": "), float(error)]))
+        self._found.append(("found", [quantity, float(error)]))
 
     def refused(self, message):
         """By an exception, or what pytest.raises caught."""
@@ -162,20 +163,25 @@ HEAD = f"""# The page of hard cases
 
 Made by the tests: `{COMMAND}`.
 Each case is computed, to the error that is told, or refused by its name; "holds" names a test that asks for more than a number.
-Errors are relative unless the quantity says otherwise, the largest of all tests of the cell. What nobody answers is a **hole**."""
+Errors are relative unless the quantity says otherwise, the largest of all tests of the cell; exact is to the last bit. What nobody answers
+is a **hole**."""
 
 
 def cell(found, not_asked=None):
-    """The distinct outcomes in few words: of one quantity the largest error, of many messages the first three."""
+    """The outcomes in few words: of each quantity the largest error, of messages that differ by more than numbers the first two."""
     if not_asked:
         return f"does not apply: {not_asked}"
-    largest = {}
+    largest, messages = {}, {}
     for words, error in found:
-        largest[words] = error if error is None else max(error, largest.get(words, 0.0))
-    failed = [words for words in largest if FAILED in words]
-    told = failed or [words if error is None else f"{words} {error:.1g}" for words, error in largest.items()]
-    more = [f"and {len(told) - 3} more"] if len(told) > 3 else []
-    return "; ".join(told[:3] + more).replace("|", "\\|") or HOLE
+        if error is None:
+            messages.setdefault(NUMBER.sub("#", words), words)
+        else:
+            largest[words] = max(error, largest.get(words, 0.0))
+    computed = [f"{words} to {error:.1g}" if error else f"{words}: exact" for words, error in largest.items()]
+    failed = [words for words in messages.values() if FAILED in words]
+    told = list(messages.values())
+    more = [f"and {len(told) - MOST} more"] if len(told) > MOST else []
+    return "; ".join(failed or [*computed, *told[:MOST], *more]).replace("|", "\\|") or HOLE
 
 
 def versions():

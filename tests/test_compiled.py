@@ -3,9 +3,12 @@
 import subprocess
 import sys
 
+import pytest
+
 import anisogran.compiled as compiled
 
 
+@pytest.mark.hard_case("S8")
 def test_folder_is_keyed_by_the_sources(tmp_path, monkeypatch):
     """Any change in a source file of the room leads to another folder; a room has its own."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
@@ -20,6 +23,7 @@ def test_folder_is_keyed_by_the_sources(tmp_path, monkeypatch):
     assert fresh("dem") != before
 
 
+@pytest.mark.hard_case("F8")
 def test_without_a_writable_cache_it_compiles_and_says_so():
     """Numba alone would fall back to a cache that knows nothing of changes in other files."""
     code = """

@@ -97,11 +97,13 @@ def test_a_run_is_interrupted_and_goes_on(call, tmp_path, monkeypatch):
     assert resumed.identical(straight)
 
 
-def test_a_folder_in_use_is_kept(call, tmp_path):
+@pytest.mark.hard_case("S6")
+def test_a_folder_in_use_is_kept(call, tmp_path, answer):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "thing").write_text("mine")
     code, out, err = call("scene.toml", "--quick", "--out", "run")
     assert (code, out) == (2, "")
+    answer.refused(err.removeprefix("anisogran: "))
     assert err == "anisogran: --out run: the folder is not empty; choose another or add --force\n"
     assert call("scene.toml", "--quick", "--out", "run", "--force")[0] == 0
     assert (tmp_path / "run" / "thing").read_text() == "mine"

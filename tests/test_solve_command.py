@@ -8,7 +8,9 @@ import pytest
 
 import anisogran as ag
 from anisogran import cli
+from anisogran.cli.solve_command import csv_text
 from anisogran.continuum import LAWS, CoulombSlip, Jop, Nonlocal
+from anisogran.glossary import GLOSSARY
 from anisogran.keys import record_keys
 from anisogran.scenes.flow_file import EXAMPLE, flow_template, read_flow
 from anisogran.scenes.writing import scene_text
@@ -61,6 +63,15 @@ def test_results_go_to_a_folder(file, tmp_path, capsys):
     assert f"{flow.stress_ratio_wall:.6g}" in printed
     assert read_flow(out / "flow.toml") == flow.problem
     assert run(capsys, file, "--out", out)[0] == 2  # not empty
+
+
+@pytest.mark.hard_case("S9")
+def test_a_table_holds_numbers_under_names_of_the_glossary(answer):
+    """No word that a file has brought along, and no formula that a spreadsheet would run."""
+    head, *rows = csv_text(ag.RingFlow(13.0, 33.0, Nonlocal(0.26, 1.0, 0.9), 2e-3, 1.0).solve()).splitlines()
+    assert {name.split(" [")[0] for name in head.split(",")} <= set(GLOSSARY)
+    assert np.isfinite([[float(number) for number in row.split(",")] for row in rows]).all()
+    answer.named("tables hold numbers under names of the glossary")
 
 
 def test_what_is_no_solution_is_marked_everywhere(file, tmp_path, capsys):

@@ -238,6 +238,7 @@ def test_empty_cells_and_single_grains_say_what_they_lack():
     assert np.isnan(nothing.velocity).all()
 
 
+@pytest.mark.hard_case("D10")
 def test_only_rattlers_carry_nothing():
     chain = make([[0, 0], [1, 0], [2, 0]], [0.5] * 3, [(0, 1), (1, 2)], [(-1, 0), (-1, 0)])
     data = average(chain, fields=["coordination_number", "rattler_fraction", "fabric_trace"])

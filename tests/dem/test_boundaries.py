@@ -126,19 +126,30 @@ def test_bad_paths_are_refused():
             Path(*arguments)
 
 
-def test_a_pressed_wall_without_contact_has_a_speed_limit():
+@pytest.mark.hard_case("D15")
+def test_a_pressed_wall_without_contact_has_a_speed_limit(answer):
     """pressure * length / damping, however light the wall; with the force of the grains it goes the other way."""
     state = Box(5.0, 7.0, right=Pressure(2.0, mass=1e-6, damping=4e3)).state()
     for step in range(50):
         advance(state, body([[1.0, 1.0]]), None, 1, 1.0, 1e-3 * step, 1e-3)
     assert state.velocity[1] == pytest.approx(-2.0 * 7.0 / 4e3, rel=1e-9)
+    answer.computed(abs(state.velocity[1] / (2.0 * 7.0 / 4e3) + 1.0), "speed limit of a wall without contact")
 
 
-def test_the_status_tells_how_far_a_wall_is_from_its_pressure():
+@pytest.mark.hard_case("D15")
+def test_a_pressed_wall_has_a_mass(answer):
+    with pytest.raises(InputError, match=r"Pressure: mass = 0 must be above 0 kg") as caught:
+        Pressure(1.0, mass=0.0, damping=1.0)
+    answer.refused(caught)
+
+
+@pytest.mark.hard_case("D15")
+def test_the_status_tells_how_far_a_wall_is_from_its_pressure(answer):
     grains = Grains([[0.5, 0.5]], [0.5], mass=[1.0])
     box = Box(1.0, 1.0, right=Pressure(10.0, mass=1.0, damping=80.0))
     sim = Simulation(grains, Linear(1e3, 20.0), boundary=box, drag=20.0, dt=1e-3)
     assert "the right wall bears 0 of its pressure 10 N/m at present" in sim.status.reasons
+    answer.named(sim.status)
     sim.run(6000)
     assert not any("bears" in reason for reason in sim.status.reasons)
     sim.walls.force[1] = 10.11
@@ -318,6 +329,7 @@ def test_a_wall_lists_what_is_within_the_skin():
     assert (candidates.size[0], candidates.grain[0], candidates.wall[0]) == (1, 0, 1)  # gaps 0.09 and 0.11
 
 
+@pytest.mark.hard_case("D17")
 @pytest.mark.parametrize("skin", [0.1, 1e-3])
 def test_a_moving_wall_finds_a_grain_at_rest(skin):
     """The way of the walls counts when the list is judged, so the top meets the grain although that has not moved at all.

@@ -141,6 +141,7 @@ def test_the_list_is_judged_by_whole_steps(rng):
     assert held(pieces) == held(straight)
 
 
+@pytest.mark.hard_case("F7")
 def test_checkpoints_change_nothing(rng, tmp_path):
     """A run that saves itself after every compiled call has the bits of one that never does."""
     quiet, kept = scene(rng), scene(np.random.default_rng(20050603))
@@ -153,7 +154,8 @@ def test_checkpoints_change_nothing(rng, tmp_path):
         np.testing.assert_array_equal(file["state.body.rows"], quiet._state.body.rows)
 
 
-def test_no_damage_goes_unnoticed(rng, damages, tmp_path):
+@pytest.mark.hard_case("F3")
+def test_no_damage_goes_unnoticed(rng, damages, tmp_path, answer):
     """300 random flips, cuts and zeroed blocks: never does a damaged file load, and the one before it, if any, is used with a warning."""
     sim = scene(rng, count=8)
     path = tmp_path / "a.npz"
@@ -172,8 +174,10 @@ def test_no_damage_goes_unnoticed(rng, damages, tmp_path):
             previous_of(path).unlink(missing_ok=True)
             with pytest.raises(InputError, match=re.escape(f"{path}: ") + r"[^\n]*; [^\n]*a.npz.previous: cannot be read [^\n]*$"):
                 Simulation.load(path)
+    answer.named("300 of 300 damaged checkpoints found; the one before is taken, and said so")
 
 
+@pytest.mark.hard_case("F1")
 def test_a_run_killed_again_and_again_is_the_straight_run(rng, tmp_path):
     """Six processes, each killed at a random moment of running and saving; each goes on from the file of the one before."""
     path = tmp_path / "a.npz"
@@ -204,7 +208,8 @@ sim.run(10**9, checkpoint=sys.argv[1], every=0.0)
     assert held(sim) == held(straight)
 
 
-def test_a_file_that_grows_too_large_stops_the_run_or_is_warned_about(rng, tmp_path):
+@pytest.mark.hard_case("F2")
+def test_a_file_that_grows_too_large_stops_the_run_or_is_warned_about(rng, tmp_path, answer):
     """Under a limit of the file size (EFBIG) the old checkpoint stays, no temporary file is left, and nobody is in doubt."""
     path = tmp_path / "a.npz"
     scene(rng).save(path)
@@ -227,25 +232,29 @@ print(*(warning.message for warning in caught), sim.step)
     out, _ = python(code, path).communicate()
     reason = f"{path}: cannot be written ({os.strerror(errno.EFBIG)})"
     assert out.splitlines() == [f"{reason} 10 None", f"{reason}; the run goes on without this checkpoint 15"]
+    answer.named(f"run failed: {out.splitlines()[0]}")
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_full_disk_leaves_the_old_checkpoint(rng, tmp_path, monkeypatch):
+@pytest.mark.hard_case("F2")
+def test_a_full_disk_leaves_the_old_checkpoint(rng, tmp_path, monkeypatch, answer):
     """The temporary file is led to /dev/full, where every write ends in ENOSPC."""
     path = tmp_path / "a.npz"
     sim = scene(rng)
     sim.save(path)
     before = path.read_bytes()
     monkeypatch.setattr(whole_file, "open", lambda path, mode: open("/dev/full", "wb"), raising=False)  # noqa: SIM115
-    with pytest.raises(RunFailed, match=re.escape(f"{path}: cannot be written ({os.strerror(errno.ENOSPC)})")):
+    with pytest.raises(RunFailed, match=re.escape(f"{path}: cannot be written ({os.strerror(errno.ENOSPC)})")) as caught:
         sim.save(path)
+    answer.named(f"run failed: {caught.value}; the old file stays")
     monkeypatch.undo()
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_place_where_no_file_can_be_is_named_before_the_first_step(rng, tmp_path):
+@pytest.mark.hard_case("F8")
+def test_a_place_where_no_file_can_be_is_named_before_the_first_step(rng, tmp_path, answer):
     (tmp_path / "file").touch()
     sim = scene(rng)
     for path, reason in [
@@ -255,8 +264,9 @@ def test_a_place_where_no_file_can_be_is_named_before_the_first_step(rng, tmp_pa
         ("/dev/null", "it is no regular file"),
     ]:
         for act in (sim.save, lambda path: sim.run(10, checkpoint=path)):
-            with pytest.raises(InputError, match=re.escape(f"{path}: cannot be written ({reason})")):
+            with pytest.raises(InputError, match=re.escape(f"{path}: cannot be written ({reason})")) as caught:
                 act(path)
+        answer.refused(caught)
     for arguments, message in [
         ({"checkpoint": 3}, "3 is no path"),
         ({"every": -1.0}, "every = -1 must be at least 0 s"),
@@ -322,7 +332,8 @@ def test_a_failed_run_is_marked_kept_apart_and_goes_no_further(tmp_path):
     assert Simulation.load(path).failure is None
 
 
-def test_an_edited_scene_is_refused_by_its_keys(rng, tmp_path):
+@pytest.mark.hard_case("F5")
+def test_an_edited_scene_is_refused_by_its_keys(rng, tmp_path, answer):
     """All that is asked for must be in the file; what is asked for in other words (a default, a list, a whole number) is the same."""
     grains, side = crowd(rng, count=10)
     sim = Simulation(grains, LAW, FRICTION, gravity=(0, -10), boundary=Box(side, side), dt=1e-7)
@@ -341,8 +352,9 @@ def test_an_edited_scene_is_refused_by_its_keys(rng, tmp_path):
         ({"grains": replace(grains, mass=2 * grains.mass)}, "was saved with other grains: mass differ"),
         ({"colour": "red"}, "Simulation has no argument colour"),
     ]:
-        with pytest.raises(InputError, match=f"^{path}: [^\n]*{message}[^\n]*$"):
+        with pytest.raises(InputError, match=f"^{path}: [^\n]*{message}[^\n]*$") as caught:
             Simulation.load(path, **change)
+        answer.refused(caught)
 
 
 class Mine:
@@ -352,7 +364,8 @@ class Mine:
         return (Path("/nowhere/harm").touch, ())
 
 
-def test_a_hostile_file_is_refused(rng, tmp_path):
+@pytest.mark.hard_case("S1", "S4")
+def test_a_hostile_file_is_refused(rng, tmp_path, answer):
     """Sealed as the format says, but: objects to unpickle, a bomb, lists that name what is not there, text that is none."""
     sim = scene(rng, "periodic", count=20)
     path = tmp_path / "a.npz"
@@ -367,8 +380,9 @@ def test_a_hostile_file_is_refused(rng, tmp_path):
         ("state.bomb", np.zeros(10**6), zipfile.ZIP_DEFLATED, r"would unpack to \d+ bytes, more than its own \d+"),
     ]:
         path.write_bytes(forged({**good, name: array}, packing))
-        with pytest.raises(InputError, match=rf"^{path}: .*{message}[^\n]*$"):
+        with pytest.raises(InputError, match=rf"^{path}: .*{message}[^\n]*$") as caught:
             Simulation.load(path)
+        answer.refused(caught)
     for change, message in [
         ({"state.pairs.second": good["state.pairs.second"] + np.uint32(20)}, "name grains, pairs or walls that do not exist"),
         ({"state.order": 0 * good["state.order"]}, "name grains, pairs or walls that do not exist"),
@@ -394,7 +408,8 @@ def test_a_hostile_file_is_refused(rng, tmp_path):
             Simulation.load(path)
 
 
-def test_a_file_of_another_kind_is_refused(tmp_path):
+@pytest.mark.hard_case("F3")
+def test_a_file_of_another_kind_is_refused(tmp_path, answer):
     np.savez(tmp_path / "foreign.npz", position=np.zeros((3, 2)))
     (tmp_path / "empty").touch()
     (tmp_path / "text").write_text("0" * 1000)
@@ -408,15 +423,18 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
         with pytest.raises(InputError, match=message) as caught:
             Simulation.load(tmp_path / name)
         assert "\n" not in str(caught.value)
+        answer.refused(caught)
 
 
-def test_other_versions_are_named(rng, tmp_path, monkeypatch):
+@pytest.mark.hard_case("F3")
+def test_other_versions_are_named(rng, tmp_path, monkeypatch, answer):
     sim = scene(rng, count=10)
     monkeypatch.setitem(checkpoint.VERSIONS, "numba", "0.1")
     sim.save(tmp_path / "a.npz")
     monkeypatch.undo()
-    with pytest.warns(UserWarning, match=r"a.npz was written with numba 0.1: the run may not go on bit for bit"):
+    with pytest.warns(UserWarning, match=r"a.npz was written with numba 0.1: the run may not go on bit for bit") as caught:
         Simulation.load(tmp_path / "a.npz")
+    answer.named(f"warned: {caught[0].message}")
 
 
 def test_a_state_is_kept_whatever_it_is_made_of():

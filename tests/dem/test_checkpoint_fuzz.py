@@ -47,6 +47,7 @@ def check(path):
     return line
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(content=st.binary(max_size=300), begin=st.sampled_from([b"", b"PK\3\4", b"PK\5\6"]), resealed=st.booleans())
 def test_any_bytes(tmp_path, content, begin, resealed):
@@ -55,6 +56,7 @@ def test_any_bytes(tmp_path, content, begin, resealed):
     assert check(tmp_path / "a.npz")
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(edits=st.lists(st.tuples(PLACE, st.booleans(), st.binary(min_size=1, max_size=12)), min_size=1, max_size=4))
 def test_damage_under_a_new_seal(tmp_path, good, edits):
@@ -74,6 +76,7 @@ def leaves(tree):
             yield from leaves(value)
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(place=PLACE, value=st.one_of(STRANGE, st.just(GONE)))
 def test_a_strange_description(tmp_path, good, place, value):
@@ -105,6 +108,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(place=PLACE, change=st.sampled_from(sorted(CHANGES)))
 def test_a_strange_array(tmp_path, good, place, change):

@@ -12,6 +12,7 @@ from anisogran.dem import NORMAL_LAWS, Friction, Grains, Linear, Luding, Simulat
 from anisogran.dem.laws import luding, normal_force, reloading_line, stored_energy, tangential_energy, tangential_force
 from anisogran.dem.pairs import pair_forces, scratch
 from anisogran.dem.rows import DV, DX
+from anisogran.keys import REQUIRED, record_keys
 from anisogran.outcome import InputError
 
 
@@ -189,7 +190,6 @@ def test_angular_momentum_is_conserved():
     [
         (lambda: Linear(0.0), "Linear: stiffness = 0 must be above 0 N/m"),
         (lambda: Linear(1.0, -1.0), "Linear: damping = -1 must be at least 0 kg/s"),
-        (lambda: Luding(2.0, 1.0), "Luding: k2 = 1 must be at least 2"),
         (lambda: Luding(1.0, 2.0, -1.0), "Luding: kc = -1 must be at least 0 N/m"),
         (lambda: Luding(1.0, 2.0, plastic_depth=0.0), "Luding: plastic_depth = 0 must be above 0"),
         (lambda: Luding(1.0, float("inf")), "Luding: k2 = inf must be a finite number"),
@@ -204,6 +204,27 @@ def test_angular_momentum_is_conserved():
 def test_impossible_parameters_are_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.hard_case("D5")
+@pytest.mark.parametrize("law", NORMAL_LAWS, ids=lambda law: law.__name__.lower())
+def test_every_parameter_of_every_law_has_its_bound(law, answer):
+    """By the keys that it declares: what lies below, NaN and infinity are refused by name."""
+    keys = record_keys(law)
+    good = {name: one.example for name, one in keys.items() if one.default is REQUIRED}
+    for name, one in keys.items():
+        below = one.above if one.above is not None else one.at_least - 1.0
+        for value in (below, math.nan, math.inf):
+            with pytest.raises(InputError, match=f"^{law.__name__}: {name} = {value:g} must be ") as caught:
+                law(**good | {name: value})
+            answer.refused(caught)
+
+
+@pytest.mark.hard_case("D5", of="luding")
+def test_unloading_softer_than_loading_is_refused(answer):
+    with pytest.raises(InputError, match="Luding: k2 = 1 must be at least 2") as caught:
+        Luding(2.0, 1.0)
+    answer.refused(caught)
 
 
 def test_parameters_are_floats_whatever_was_given():

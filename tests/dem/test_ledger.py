@@ -30,10 +30,11 @@ def head_on(law, **effects):
     return Simulation(grains, law, ledger=True, **effects)
 
 
+@pytest.mark.hard_case("D20")
 @pytest.mark.parametrize(
     ("law", "loser"), [(Linear(1e4, 10.0), "dashpot"), (replace(LAW, damping=0.0), "plasticity")], ids=["Linear", "Luding"]
 )
-def test_what_an_impact_loses_is_named(law, loser):
+def test_what_an_impact_loses_is_named(law, loser, answer):
     """All that is missing afterwards has gone to the one thing that can take it; in the middle the springs hold the rest."""
     sim = head_on(law)
     sim.run(int(0.5 * collision_time(law, sim.grains.mass) / sim.dt))
@@ -44,6 +45,7 @@ def test_what_an_impact_loses_is_named(law, loser):
     assert energy["kinetic"] < 0.22
     lost = energy.pop("dissipated_" + loser)
     assert lost == pytest.approx(0.25 - energy.pop("kinetic"), rel=2e-3)  # first order: some 1e-3 at t_c/50
+    answer.computed(abs(energy["imbalance"]) / 0.25, "balance of an impact at t_c/50")
     assert energy.pop("imbalance") == pytest.approx(0.0, abs=1e-3)
     assert list(energy.values()) == pytest.approx([0.0] * len(energy), abs=1e-15)  # rounding
 
@@ -68,8 +70,9 @@ def test_sliding_loses_to_friction_and_drag_to_drag():
     assert flying.energy()["dissipated_drag"] == pytest.approx(25.0 * (1 - math.exp(-2 * 5.0 / 2.0 * t)), rel=2e-3)  # first order
 
 
+@pytest.mark.hard_case("D20", of="luding")
 @pytest.mark.parametrize("name", BOUNDARIES)
-def test_the_book_balances_to_second_order(name, rng):
+def test_the_book_balances_to_second_order(name, rng, answer):
     """Kinetic + elastic + lost - work of the boundary stays what it was: to 1e-4 of the turnover, 1e-5 at a quarter of the step."""
     grains, side = crowd(rng, origin=0.5 if name == "ring" else 0.0)
     velocity = 10 * grains.velocity
@@ -91,9 +94,11 @@ def test_the_book_balances_to_second_order(name, rng):
         assert abs(energy["boundary_work"]) > 0.01 * start or name == "open"
     assert abs(imbalance[0]) < 1e-4
     assert abs(imbalance[1]) < 1e-5
+    answer.computed(abs(imbalance[0]), "balance over 5,000 steps, of the turnover")
 
 
-def test_driven_grains_work(rng):
+@pytest.mark.hard_case("D20", of="linear")
+def test_driven_grains_work(rng, answer):
     """A driven grain that is pushed through others, turning, at constant velocity and spin, does the work that the others get."""
     grains = Grains(
         [[0.0, 0.0], [1.0, 0.2], [-0.99, 0.0]], np.full(3, 0.5), mass=np.ones(3), velocity=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]],
@@ -104,6 +109,7 @@ def test_driven_grains_work(rng):
     energy = sim.energy()
     assert energy["boundary_work"] > 1.0
     assert abs(energy["imbalance"]) < 2e-3 * energy["boundary_work"]
+    answer.computed(abs(energy["imbalance"] / energy["boundary_work"]), "balance while driven")
 
 
 def test_the_ledger_changes_nothing(rng):

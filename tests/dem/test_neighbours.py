@@ -18,6 +18,7 @@ def listed_pairs(x, y, radius, movable, cell, skin, pairs):
     return find_pairs(x, y, radius, movable, cell, skin, pairs)
 
 
+@pytest.mark.hard_case("D17")
 @pytest.mark.parametrize("cell", [None, "periodic"])
 def test_neighbour_list_is_complete_and_has_no_pair_twice(cell, rng):
     radius = uniform_radii(150, 1.0, 20.0, rng)
@@ -92,6 +93,7 @@ def test_lists_grow_during_a_run(name):
     assert short.counters["late_builds"] == 0
 
 
+@pytest.mark.hard_case("D17")
 @pytest.mark.parametrize("share", [0.35, 0.05])
 def test_the_list_is_rebuilt_before_grains_can_meet(share):
     """Two grains just out of each other's list fly together, each `share` of the skin in ten steps: nothing is late, nothing is missed."""

@@ -17,10 +17,12 @@ def deepest(grains, period=None):
     return (overlap / np.minimum(grains.radius[i], grains.radius[j])).max()
 
 
-def test_a_start_that_was_refused_is_accepted_afterwards():
+@pytest.mark.hard_case("D13")
+def test_a_start_that_was_refused_is_accepted_afterwards(answer):
     deep = Grains([[0.0, 0.0], [0.3, 0.0], [5.0, 0.0]], [0.5, 0.5, 0.5], velocity=[[1.0, 2.0]] * 3, spin=[1.0, 2.0, 3.0])
-    with pytest.raises(InputError, match=r"dem\.relaxed moves such grains apart"):
+    with pytest.raises(InputError, match=r"dem\.relaxed moves such grains apart") as caught:
         Simulation(deep, Linear(1e3))
+    answer.refused(caught)
     apart = relaxed(deep)
     assert deepest(apart) <= 0.01
     Simulation(apart, Linear(1e3))
@@ -56,6 +58,7 @@ def test_driven_grains_stay_where_they_are():
     assert np.hypot(*(apart.position[0] - apart.position[1:]).T).min() >= 1.0 - 0.01 * 0.5
 
 
+@pytest.mark.hard_case("D13")
 @pytest.mark.parametrize("name", ["open", "box", "ring", "periodic"])
 def test_random_points_become_grains_that_do_not_overlap(name, rng):
     side, radius = 20.0, rng.uniform(0.4, 0.8, 150)  # area fraction 0.44; 0.56 in the ring
@@ -76,9 +79,13 @@ def test_walls_push_grains_back():
     assert np.all(apart.position <= 10.0 - 0.99 * 0.5)
 
 
-def test_too_many_grains_for_the_room_are_named(rng):
-    with pytest.raises(RunFailed, match=r"overlap by .* of the smaller radius, where at most 1\.00% are wanted; they are too many"):
+@pytest.mark.hard_case("D13")
+def test_too_many_grains_for_the_room_are_named(rng, answer):
+    with pytest.raises(
+        RunFailed, match=r"overlap by .* of the smaller radius, where at most 1\.00% are wanted; they are too many"
+    ) as caught:
         relaxed(Grains(rng.uniform(0, 5, (60, 2)), np.full(60, 0.5)), Box(5.0, 5.0))
+    answer.named(caught)
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,7 @@ while True:
 """
 
 
+@pytest.mark.hard_case("F1")
 def test_fifty_kills_while_writing_leave_a_whole_file(rng, tmp_path):
     """A process that does nothing but write is killed at a random moment, and the next goes on from its file.
 

@@ -239,6 +239,7 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
     assert shear.series.strain[-1] == pytest.approx(3.0, rel=1e-3)
 
 
+@pytest.mark.hard_case("S5")
 @pytest.mark.parametrize(
     ("scene", "words"),
     [
@@ -248,10 +249,11 @@ def test_homogeneous_shear_is_steady_under_its_pressure(shear):
         (Stiffness(inertial_number=1e-30), "Stiffness: inertial_number = 1e-30 makes "),
     ],
 )
-def test_what_takes_for_ever_is_refused(scene, words):
+def test_what_takes_for_ever_is_refused(scene, words, answer):
     """Before the first step; numbers of steps beyond 2^63 would wrap around."""
-    with pytest.raises(InputError, match=f"^{re.escape(words)}.* time steps of .* s; at most 1e\\+14 are taken$"):
+    with pytest.raises(InputError, match=f"^{re.escape(words)}.* time steps of .* s; at most 1e\\+14 are taken$") as caught:
         estimate(scene)
+    answer.refused(caught)
 
 
 @pytest.mark.parametrize("kind", [Biaxial, Tablet, Stiffness])
@@ -269,11 +271,13 @@ def test_the_time_step_counts_the_drag_of_loading():
     assert Biaxial(drag=100.0).step(mass) <= 0.5 * 1e-6 / 100.0
 
 
-def test_absurd_runs_are_warned_of():
+@pytest.mark.hard_case("D22", of="ring_shear")
+def test_absurd_runs_are_warned_of(answer):
     soft = Biaxial(n=40, pressure=3e3, contact=Linear(1e5, 0.1), strain=0.01, duration=0.005, samples=10).run()
     assert "of the mean radius: too soft for this load" in str(soft.status)
     fast = RingShear(n=150, inner_radius=3.0, wall_speed=2.0, travel=6.0, discard=2.0, block=2.0, seed=1).run()
     assert "far from quasi-static" in str(fast.status)
+    answer.named(fast.status)
     one = RingShear(n=150, inner_radius=3.0, travel=4.0, discard=2.0, block=2.0).run()
     assert "one block only: no error bars" in str(one.status)
     assert np.isnan(one.profiles.v_phi_error).all()

@@ -1,6 +1,7 @@
 """Probes of lattices, whose moduli are known, and the protocol that probes a sample along its path."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -202,6 +203,7 @@ def test_moduli_are_those_of_the_probes_and_of_the_snapshots(run):
     assert (m.G.sel(source="back") < 0.5 * m.G.sel(source="fabric")).all()  # frictionless: far from affine in shear
 
 
+@pytest.mark.hard_case("D23", "F1", of="stiffness")
 def test_a_run_is_kept_and_taken_up(run, tmp_path):
     """The tables of moduli survive the file, and a run in a folder that is stopped and resumed gives the same bits."""
     run.save(tmp_path / "run.h5")
@@ -231,6 +233,15 @@ def test_a_probe_that_does_not_come_to_rest_is_told_of(run):
     moving = int((coarse.tables["probes"].imbalance >= coarse.scene.rest).sum())
     assert moving > 0
     assert str(coarse.status).endswith(f"state 0: ways of its probes that did not come to rest: {moving}")
+
+
+@pytest.mark.hard_case("D22", of="stiffness")
+def test_a_loading_that_is_too_fast_is_warned_of(run, answer):
+    simulation = SimpleNamespace(counters={"late_builds": 0}, snapshot=lambda: run.snapshots["frame-00000000"])
+    fast = Stiffness(inertial_number=0.05).judge(run.series, None, simulation)
+    assert "inertial number of the loading 0.05: not quasi-static" in fast.reasons
+    assert "quasi-static" not in str(run.scene.judge(run.series, None, simulation))
+    answer.named(fast)
 
 
 def test_the_estimate_counts_the_steps_of_probes(monkeypatch):

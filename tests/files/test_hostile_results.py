@@ -124,13 +124,17 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.hard_case("S3")
 @pytest.mark.parametrize("case", CASES)
-def test_what_we_never_write_is_refused_by_its_place(case, tmp_path, monkeypatch):
+def test_what_we_never_write_is_refused_by_its_place(case, tmp_path, monkeypatch, answer):
     make, message = CASES[case]
     monkeypatch.chdir(tmp_path)
-    assert message in complaint(tmp_path / "a.h5", forged(make))
+    told = complaint(tmp_path / "a.h5", forged(make))
+    assert message in told
+    answer.refused(told)
 
 
+@pytest.mark.hard_case("S3")
 def test_a_forger_gets_no_other_file(tmp_path, monkeypatch):
     """h5py alone hands out the text of a file beside it; this shows that the attack is real, and that it is refused."""
     (tmp_path / "secret.txt").write_bytes(SECRET)
@@ -142,6 +146,7 @@ def test_a_forger_gets_no_other_file(tmp_path, monkeypatch):
     assert "swordfish" not in complaint(tmp_path / "a.h5", content)
 
 
+@pytest.mark.hard_case("S4")
 def test_nothing_is_unpacked_twice(tmp_path):
     """Variables that share their bytes would make a small file large."""
 
@@ -161,6 +166,7 @@ def test_nothing_is_unpacked_twice(tmp_path):
     assert complaint(tmp_path / "a.h5", shared).endswith(f"it unpacks to more than its own {len(shared)} bytes")
 
 
+@pytest.mark.hard_case("S4")
 def test_there_is_an_end_to_small_things(tmp_path, monkeypatch):
     monkeypatch.setattr(hdf5_reading, "MOST_OBJECTS", 10)
     content = forged(lambda file: [file.create_group(f"g{k}/h") for k in range(9)])

@@ -360,6 +360,7 @@ WALLS = (DATA / "walls_grains.dump").read_bytes()
 PAIRS = (DATA / "walls_contacts.dump").read_bytes()
 
 
+@pytest.mark.hard_case("S10")
 @given(grains=st.one_of(st.just(WALLS), damaged(WALLS)), contacts=st.one_of(st.just(PAIRS), damaged(PAIRS)))
 @settings(max_examples=200, deadline=None)
 def test_a_damaged_file_gives_snapshots_or_one_line(tmp_path_factory, grains, contacts):

@@ -189,6 +189,7 @@ DATA = (grain_frame() + grain_frame(time=0.75)).encode()
 FSTAT = (contact_frame([*PAIR, "0 1 -1 0 0 0 .1 0 1 0 0 -1 0 0 0 0"]) + contact_frame(time=0.75)).encode()
 
 
+@pytest.mark.hard_case("S10")
 @given(data=st.one_of(st.just(DATA), damaged(DATA)), fstat=st.one_of(st.just(FSTAT), damaged(FSTAT)))
 @settings(max_examples=200, deadline=None)
 def test_a_damaged_file_gives_snapshots_or_one_line(tmp_path_factory, data, fstat):

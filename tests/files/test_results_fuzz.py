@@ -3,6 +3,7 @@
 import time
 
 import numpy as np
+import pytest
 import xarray as xr
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
@@ -55,6 +56,7 @@ def read_or_refused(path, content):
     return results
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(
     content=st.binary(max_size=400),
@@ -65,12 +67,14 @@ def test_any_bytes(tmp_path, content, begin, end):
     assert read_or_refused(tmp_path / "a.h5", begin + content + end) is None
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(content=st.binary(max_size=400), begin=st.sampled_from([b"", HDF5, GOOD[:48], GOOD[:500]]))
 def test_any_bytes_under_seal(tmp_path, content, begin):
     assert read_or_refused(tmp_path / "a.h5", bytes(sealed(bytearray(begin + content + bytes(TAIL))))) is None
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(edits=EDITS)
 def test_a_damaged_file_is_never_read(tmp_path, edits):
@@ -78,6 +82,7 @@ def test_a_damaged_file_is_never_read(tmp_path, edits):
     assert (read_or_refused(tmp_path / "a.h5", content) is None) == (content != GOOD)
 
 
+@pytest.mark.hard_case("S10")
 @MANY
 @given(edits=EDITS)
 @example(edits=[])

@@ -13,6 +13,7 @@ from anisogran.runs import lock
 from anisogran.runs.lock import is_locked, locked
 
 
+@pytest.mark.hard_case("F6")
 def test_to_look_leaves_no_trace_and_hinders_nobody(tmp_path):
     """Two that look at the same moment both see it free; a file that may only be read will do."""
     assert not is_locked(tmp_path)
@@ -41,6 +42,7 @@ def test_whoever_only_looks_is_waited_for(tmp_path, monkeypatch):
     assert not path.exists()
 
 
+@pytest.mark.hard_case("F6")
 @pytest.mark.parametrize("again", [False, True])
 def test_a_lock_that_is_removed_while_it_is_taken_is_made_anew(again, tmp_path, monkeypatch):
     """The process that had it ends just then, and perhaps a third one has a new one already."""

@@ -13,7 +13,18 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from anisogran import Biaxial, CohesiveGas, Friction, InputError, RingShear, SimpleShear, Tablet, average, read_scene
+from anisogran import (
+    Biaxial,
+    CohesiveGas,
+    Friction,
+    InputError,
+    RingShear,
+    RingShearVolume,
+    SimpleShear,
+    Tablet,
+    average,
+    read_scene,
+)
 from anisogran import open as open_results
 from anisogran.dem import Simulation
 from anisogran.outcome import Interrupted, RunFailed
@@ -27,11 +38,14 @@ from anisogran.runs.session import Session
 SCENES = {
     "biaxial": Biaxial(n=40, friction=Friction(2e4, 0.5), strain=0.02, duration=0.002, samples=20, seed=3),
     "ring_shear": RingShear(n=150, inner_radius=3.0, travel=2.0, discard=0.5, block=0.5, seed=3, frames=3),
+    "ring_shear_volume": RingShearVolume(
+        n=150, large=25, inner_radius=0.03, outer_radius=0.07, wall_speed=1.0, travel=2.0, discard=0.5, block=0.5, seed=3, frames=3
+    ),
     "cohesive_gas": CohesiveGas(n=40, duration=0.01, samples=20, frames=3, seed=3),
     "simple_shear": SimpleShear(inertial_number=0.2, n=60, strain=0.6, discard=0.1, seed=3, frames=3),
     "tablet": Tablet(test="tension", n=40, pressure=20.0, strain=0.005, duration=0.002, samples=20, seed=3),
 }
-SHEAR = SCENES["simple_shear"]
+SHEAR = SCENES["simple_shear"]  # Stiffness takes longer, and has its own tests
 WHOLE = ["checkpoint.npz", "results.h5", "scene.toml", "state.json"]  # what a run that is finished leaves
 TIMES = ("seconds", "saving_seconds", "particle_steps_per_s")  # of the provenance: the only values that a clock has a say in
 
@@ -66,8 +80,9 @@ class Leave:
             raise KeyboardInterrupt
 
 
+@pytest.mark.hard_case("D23", "F1")
 @pytest.mark.parametrize("name", SCENES)
-def test_a_run_left_anywhere_goes_on_bit_for_bit(name, straight, tmp_path):
+def test_a_run_left_anywhere_goes_on_bit_for_bit(name, straight, tmp_path, answer):
     """Left again and again, after ever more calls of the listener, through all stages: the result is that of the straight run."""
     scene, stages = SCENES[name], set()
     for n in range(1, 1000):
@@ -91,6 +106,7 @@ def test_a_run_left_anywhere_goes_on_bit_for_bit(name, straight, tmp_path):
             np.testing.assert_array_equal(stored[variable], dataset[variable])
     again = run_in_folder(scene, tmp_path, resume=True, listen=lambda session: pytest.fail("it was finished"))
     assert_same(again, straight[name])
+    answer.named(f"left {n - 1} times, in all {len(stages)} stages, and resumed: bit for bit")
 
 
 KILLS = """
@@ -129,6 +145,7 @@ print(finished + 1, *sorted(states))
 """
 
 
+@pytest.mark.hard_case("F1")
 def test_fifty_kills_at_random_moments(tmp_path):
     """SIGKILL while it runs and while it saves, which it does all the time here: every run resumes and is the straight one."""
     command = [sys.executable, "-c", KILLS, os.path.dirname(__file__), str(tmp_path / "run"), "50"]
@@ -156,7 +173,8 @@ def wait_for(folder, stage):
     pytest.fail(f"{folder} did not come to stage {stage}")
 
 
-def test_a_signal_saves_within_half_a_second(tmp_path):
+@pytest.mark.hard_case("D23", of="simple_shear")
+def test_a_signal_saves_within_half_a_second(tmp_path, answer):
     """SIGINT and SIGTERM, in the loading of 400 grains: exit code 130, one line, everything kept, and goes on with --resume."""
     scene, folder, seconds = tmp_path / "scene.toml", tmp_path / "run", []
     scene.write_text('kind = "simple_shear"\nstrain = 200.0\ninertial_number = 0.1\n')
@@ -177,6 +195,7 @@ def test_a_signal_saves_within_half_a_second(tmp_path):
         assert open_results(folder / "results.h5")["series"].sizes["time"] > 0
     assert not is_locked(folder)
     assert min(seconds) < 0.5  # the least of four: the others may have met a busy machine
+    answer.named(f"SIGINT and SIGTERM: saved within {min(seconds):.1g} s, exit code 130")
 
 
 def test_a_second_signal_is_not_waited_for(tmp_path):
@@ -192,6 +211,7 @@ def test_a_second_signal_is_not_waited_for(tmp_path):
     assert not is_locked(tmp_path)
 
 
+@pytest.mark.hard_case("F7")
 def test_other_output_is_the_same_run(straight, tmp_path):
     """The rows and snapshots that are asked for, and saving all the time, change no bit of the grains."""
     for name, other in (("biaxial", {"samples": 10}), ("ring_shear", {"frames": 0}), ("simple_shear", {"frames": 11})):
@@ -201,6 +221,7 @@ def test_other_output_is_the_same_run(straight, tmp_path):
             np.testing.assert_array_equal(getattr(run.snapshots["end"], part), getattr(straight[name].snapshots["end"], part))
 
 
+@pytest.mark.hard_case("F7")
 def test_whoever_looks_on_changes_nothing(straight, tmp_path):
     """All fields averaged, energies, forces and pictures taken again and again."""
 
@@ -215,14 +236,16 @@ def test_whoever_looks_on_changes_nothing(straight, tmp_path):
         assert_same(run_in_folder(SCENES[name], tmp_path / name, listen=look), straight[name])
 
 
-def test_an_edited_scene_is_refused_by_its_keys_but_for_output(tmp_path):
+@pytest.mark.hard_case("F5")
+def test_an_edited_scene_is_refused_by_its_keys_but_for_output(tmp_path, answer):
     scene = SCENES["biaxial"]
     with pytest.raises(Interrupted):
         run_in_folder(scene, tmp_path, listen=lambda session: Leave(1)(session) if len(session.records.rows) == 7 else None)
     edited = scene.model_copy(update={"pressure": 50.0, "friction": Friction(2e4, 0.4), "samples": 40})
     message = "checkpoint.npz: is of another scene: pressure = 50.0, in the file 100.0; friction.mu = 0.4, in the file 0.5"
-    with pytest.raises(InputError, match=re.escape(message) + "$"):
+    with pytest.raises(InputError, match=re.escape(message) + "$") as caught:
         run_in_folder(edited, tmp_path, resume=True)
+    answer.refused(caught)
     with pytest.raises(InputError, match="is of another scene: kind = 'simple_shear', in the file 'biaxial'"):
         run_in_folder(SHEAR, tmp_path, resume=True)
     finer = run_in_folder(scene.model_copy(update={"samples": 40}), tmp_path, resume=True)
@@ -267,11 +290,13 @@ def test_a_row_that_is_there_is_not_taken_again(tmp_path, monkeypatch):
     assert (marks[session.marks - 1], marks[session.marks]) == (step, np.linspace(0, marks[-1], 41).astype(int)[13])
 
 
-def test_one_process_at_a_time(tmp_path):
+@pytest.mark.hard_case("F6")
+def test_one_process_at_a_time(tmp_path, answer):
     """A second one ends with a line that names the first; a lock that a killed process has left holds nobody up."""
     with locked(tmp_path):
-        with pytest.raises(InputError, match=rf"{tmp_path}: process {os.getpid()} on .* is at work there"):
+        with pytest.raises(InputError, match=rf"{tmp_path}: process {os.getpid()} on .* is at work there") as caught:
             run_in_folder(SHEAR, tmp_path)
+        answer.refused(str(caught.value).partition(": ")[2].replace(str(os.getpid()), "1").split(" on ")[0] + " on ... is at work there")
         assert is_locked(tmp_path)
         assert contents(tmp_path) == ["lock"]
     assert contents(tmp_path) == []
@@ -282,6 +307,7 @@ def test_one_process_at_a_time(tmp_path):
     assert contents(tmp_path) == []
 
 
+@pytest.mark.hard_case("F3")
 def test_a_damaged_checkpoint_is_found_and_the_one_before_it_taken(straight, rng, tmp_path):
     """Cut, flipped, empty: said so, and the run is still the straight one; if both are damaged, nothing is begun anew in silence."""
     path = tmp_path / "checkpoint.npz"
@@ -365,14 +391,16 @@ except RunFailed as error:
 """
 
 
+@pytest.mark.hard_case("F2")
 @pytest.mark.parametrize("name", ["checkpoint.npz", "results.h5"])
-def test_a_full_disk_stops_the_run_and_harms_nothing(name, straight, tmp_path):
+def test_a_full_disk_stops_the_run_and_harms_nothing(name, straight, tmp_path, answer):
     """That file may not be written: the run fails by name, what was on the disk stays whole, and with room again it goes on."""
     command = [sys.executable, "-c", FULL, os.path.dirname(__file__), str(tmp_path / "run"), name]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     left, error = done.stdout.splitlines()
     assert left == "left"
     assert error == f"{tmp_path / 'run' / name}: cannot be written ({os.strerror(errno.EFBIG)})"
+    answer.named(f"run failed: {error}")
     state = state_of(tmp_path / "run")
     assert (state["state"], state["message"]) == ("failed", error)
     assert Session.load(tmp_path / "run" / "checkpoint.npz", SHEAR).records.rows
@@ -381,14 +409,16 @@ def test_a_full_disk_stops_the_run_and_harms_nothing(name, straight, tmp_path):
     assert contents(tmp_path / "run") == WHOLE
 
 
-def test_folders_that_cannot_be_used(tmp_path):
+@pytest.mark.hard_case("F8")
+def test_folders_that_cannot_be_used(tmp_path, answer):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match=r"file: cannot be made \(File exists\)"):
         run_in_folder(SHEAR, tmp_path / "file")
     with pytest.raises(InputError, match=r"below: cannot be made \(Not a directory\)"):
         run_in_folder(SHEAR, tmp_path / "file" / "below")
-    with pytest.raises(InputError, match="folder 3 is no path"):
+    with pytest.raises(InputError, match="folder 3 is no path") as caught:
         run_in_folder(SHEAR, 3)
+    answer.refused(caught)
     assert contents(tmp_path) == ["file"]
     if hasattr(os, "geteuid") and os.geteuid():
         (tmp_path / "locked").mkdir(mode=0o500)
@@ -396,6 +426,7 @@ def test_folders_that_cannot_be_used(tmp_path):
             run_in_folder(SHEAR, tmp_path / "locked")
 
 
+@pytest.mark.hard_case("F8", "F9")
 def test_neither_clock_nor_locale_nor_place_matter(straight, tmp_path, monkeypatch):
     """The clock of the day may jump or stand still, the folder bear any name."""
     monkeypatch.setattr(time, "time", lambda: pytest.fail("nothing may ask for the time of day"))
@@ -404,11 +435,13 @@ def test_neither_clock_nor_locale_nor_place_matter(straight, tmp_path, monkeypat
     assert_same(SHEAR.run(folder=tmp_path / "größe 粒"), straight["simple_shear"])
 
 
-def test_memory_is_looked_at_before_the_start(monkeypatch):
+@pytest.mark.hard_case("F10")
+def test_memory_is_looked_at_before_the_start(monkeypatch, answer):
     needed = estimate(SHEAR).memory
     check_memory(SHEAR, free=needed / 0.79)
-    with pytest.raises(InputError, match=r"simple_shear: n = 60 take about 0.3 GB of memory, more than 80% of the 0.4 GB"):
+    with pytest.raises(InputError, match=r"simple_shear: n = 60 take about 0.3 GB of memory, more than 80% of the 0.4 GB") as caught:
         check_memory(SHEAR, free=needed / 0.81)
+    answer.refused(caught)
     monkeypatch.setattr(estimates, "free_memory", lambda: None)  # a system that does not tell
     check_memory(SHEAR)
     monkeypatch.undo()
@@ -437,10 +470,19 @@ print(estimate(scene).memory / (1024 * peak))
 """
 
 
+@pytest.mark.hard_case("F10")
 @pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="only Linux tells the peak of a process")
-def test_the_estimate_of_memory_is_good_to_a_factor_of_two(tmp_path):
+def test_the_estimate_of_memory_is_good_to_a_factor_of_two(tmp_path, answer):
     done = subprocess.run([sys.executable, "-c", MEMORY, str(tmp_path)], capture_output=True, text=True, check=True)
     assert 0.5 < float(done.stdout) < 2.0
+    answer.computed(abs(float(done.stdout) - 1.0), "estimated memory")
+
+
+@pytest.mark.hard_case("D22")
+@pytest.mark.parametrize("name", ["biaxial", "ring_shear_volume", "tablet"])
+def test_a_shear_that_is_too_fast_is_warned_of(name, straight, answer):
+    (warning,) = [reason for reason in straight[name].status.reasons if "quasi-static" in reason]
+    answer.named(f"warned: {warning}")
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -471,12 +513,14 @@ def test_a_refused_stage_and_a_run_that_stops_are_failures(tmp_path, monkeypatch
     assert Session.load(tmp_path / "checkpoint.npz", SHEAR).simulation.failure is None
 
 
-def test_an_unfinished_result_says_so(tmp_path):
+@pytest.mark.hard_case("F4")
+def test_an_unfinished_result_says_so(tmp_path, answer):
     with pytest.raises(Interrupted):
         run_in_folder(SHEAR, tmp_path, listen=lambda session: Leave(1)(session) if len(session.records.rows) == 9 else None)
     tree = open_results(tmp_path / "results.h5")
     assert re.fullmatch(r"warned: unfinished: in stage shear, \d\d% done", tree.attrs["status"])
     assert tree["series"].sizes["time"] == 9
+    answer.named(f'read, with the status "{tree.attrs["status"]}"')
     assert "end" in tree["snapshots"].children
 
 

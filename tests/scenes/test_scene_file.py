@@ -70,6 +70,7 @@ def test_numbers_may_bring_their_unit(scene):
     assert said == scene(SCENE)
 
 
+@pytest.mark.hard_case("F11")
 @pytest.mark.parametrize(
     ("text", "words"),
     [

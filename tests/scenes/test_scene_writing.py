@@ -170,6 +170,7 @@ def test_whatever_numbers_a_record_was_made_of_are_plain_in_its_text(tmp_path):
         assert read_scene(path) == Biaxial(contact=Linear(1e5), n=50, pressure=2.0)
 
 
+@pytest.mark.hard_case("F11")
 def test_doubts():
     assert doubts_of(Biaxial()) == doubts_of(RingShear()) == doubts_of(SimpleShear()) == []
     assert doubts_of(Biaxial(pressure=0.005)) == [  # 5e4/0.005 = 1e7 is just usual, 2e7 is not

@@ -275,6 +275,7 @@ def test_values_are_told_without_loss(value, text):
     assert float(text) == value
 
 
+@pytest.mark.hard_case("S6")
 def test_names_of_cases_are_safe_and_each_has_its_own():
     assert case_name({"contact.kc": 1e5, "seed": -1}, ()) == "contact.kc_100000-seed_-1"
     long = {f"contact.key{k}": 0.1 for k in range(9)}
@@ -403,6 +404,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.hard_case("S10")
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(place=st.sampled_from(["scene", "vary", "cases", "all"]), value=JSON, cut=st.integers(0, 600))
 def test_whatever_a_list_of_cases_holds_only_an_input_error_comes_out(place, value, cut, folder):

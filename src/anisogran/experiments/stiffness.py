@@ -262,8 +262,10 @@ class Stiffness(Experiment):
         return self.inertial_number
 
     def judge(self, series, blocks, simulation):
-        """Warnings a reader must see: pressure not held, stale neighbour lists."""
+        """Warnings a reader must see: pressure not held, loading not quasi-static, stale neighbour lists."""
         status = squeezed(simulation)
+        if self.inertial_number > 1e-2:
+            status = status.warn(f"inertial number of the loading {self.inertial_number:g}: not quasi-static")
         held = float(abs(series.sigma_xx / self.pressure - 1).median())
         if held > 0.1:  # the states themselves have come to rest under it
             status = status.warn(f"while loading the width holds its pressure only to {held:.1%} (median)")
