@@ -113,7 +113,8 @@ def test_sheared_image_is_the_same_contact(answer):
     answer.computed(np.abs(force[0] - force[1]).max() / np.abs(force[1]).max(), "force across a sheared border")
 
 
-def test_pressed_wall_reaches_its_pressure():
+@pytest.mark.hard_case("D15")
+def test_pressed_wall_reaches_its_pressure(answer):
     """One grain between a fixed and a pressed wall: its overlap carries pressure times length."""
     grains = Grains([[0.5, 0.5]], [0.5], mass=[1.0])
     box = Box(1.0, 1.0, right=Pressure(10.0, mass=1.0, damping=80.0))
@@ -122,6 +123,7 @@ def test_pressed_wall_reaches_its_pressure():
     assert sim.walls.force[1] == pytest.approx(10.0, rel=1e-6)
     assert sim.walls.force[0] == pytest.approx(10.0, rel=1e-6)
     assert 1.0 - sim.walls.position[1] == pytest.approx(2 * 10.0 / 1e3, rel=1e-6)  # two contacts in series
+    answer.computed(abs(float(sim.walls.force[1]) / 10.0 - 1.0), "pressure of a wall at rest")
 
 
 def test_cosine_wall_follows_the_lecture():

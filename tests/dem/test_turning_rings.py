@@ -21,6 +21,7 @@ def body(position, **values):
     return body_of(grain_rows(grains, np.arange(len(position))))
 
 
+@pytest.mark.hard_case("D21")
 @pytest.mark.parametrize("wall", [0, 1])
 @pytest.mark.parametrize("angle", SEAM)
 def test_what_turns_with_a_ring_does_not_slip(wall, angle):

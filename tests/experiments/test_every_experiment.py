@@ -75,10 +75,10 @@ def test_effects_are_told_whether_active_or_absent(kind, answer):
     """Every effect is in one of the lists, and what is absent holds no memory."""
     simulation = quick(kind).stages()[0].begin(None)
     active, absent = simulation.active_effects()
-    told = {text.split(":")[0].split("(")[0] for text in active} | set(absent)
-    assert {"friction", "rolling", "gravity", "wall_friction", "drag"} <= told
+    active = [text.split(":")[0] for text in active]
+    assert {"normal", "friction", "rolling", "gravity", "wall_friction", "drag"} == {*active, *absent}
     assert ("friction" in absent) == (simulation._state.memory.spring is None)
-    answer.named(f"at the start active: {', '.join(text.split('(')[0] for text in active)}; absent: {', '.join(absent)}")
+    answer.named(f"first stage: {', '.join(active)}; absent: {', '.join(absent)}")
 
 
 @pytest.mark.hard_case("F5")
