@@ -100,6 +100,7 @@ def check(law, values, test):
         assert np.all(test.internal["area_fraction"] < values["phi_max"])
 
 
+@pytest.mark.hard_case("C14")
 @some
 @given(seeds)
 @pytest.mark.parametrize("law", LAWS)
@@ -114,6 +115,7 @@ def test_any_path_of_strain_is_finite_or_ends_by_name_and_keeps_the_structure_in
     check(law, values, test)
 
 
+@pytest.mark.hard_case("C13", "C14")
 @some
 @given(seeds)
 @pytest.mark.parametrize("law", laws("C13"))
@@ -133,6 +135,7 @@ def test_any_path_with_a_prescribed_stress_is_finite_or_ends_by_name(law, seed):
     np.testing.assert_allclose(reached, stress[: reached.size], rtol=0, atol=1e-10 * np.abs(stress).max())  # C13
 
 
+@pytest.mark.hard_case("C6", "C14")
 @some
 @given(seeds)
 @pytest.mark.parametrize("law", ["scalar", "tensorial"])
@@ -185,6 +188,7 @@ def moduli(law, change, sigma_1):
     return M, np.abs(M).max()
 
 
+@pytest.mark.hard_case("C12")
 @pytest.mark.parametrize("law", SYMMETRIC)
 def test_the_tangent_is_symmetric_where_promised(law):
     M, largest = moduli(law, *SYMMETRIC[law])
