@@ -15,23 +15,23 @@ from anisogran.averaging.places import grid_points
 from anisogran.averaging.smoothing_kernels import KERNELS, smoothing, standard_deviation
 from anisogran.benchmark import sheared_snapshot
 from anisogran.cost.tables import row
-from anisogran.cost.timing import seconds_of
+from anisogran.cost.timing import timed
 from anisogran.experiments import SimpleShear
 
 WAVELENGTH = 20.0  # of the velocity wave in mean diameters: that of a shear zone
 WIDTHS = (0.25, 0.5, 1.0, 2.0, 4.0)  # of the Gaussian in mean diameters
 DEFAULT_WIDTH = 1.0
-REPEATS = 3
 
 
 def averaging_cost(quick=False):
     """Rows {knob, value, error, seconds, default} for the averages, a list; processor seconds, medians."""
-    snapshot = sheared_snapshot(2_000 if quick else 10_000)
-    rows = width_rows(snapshot) + kernel_rows(snapshot) + grains_rows(snapshot)
-    return rows + snapshots_rows(quick) + price_rows(snapshot)
+    snapshot, repeats = sheared_snapshot(2_000 if quick else 10_000), 1 if quick else 3
+    points = nodes(snapshot, 15 if quick else 30)
+    rows = width_rows(snapshot, points, repeats) + kernel_rows(snapshot, points, repeats) + grains_rows(snapshot, repeats)
+    return rows + snapshots_rows(quick, repeats) + price_rows(snapshot, points, repeats)
 
 
-def nodes(snapshot, count=30):
+def nodes(snapshot, count):
     """Points (count^2, 2) of a regular grid over the periodic cell."""
     share = (np.arange(count) + 0.5) / count
     return grid_points(share, share) @ snapshot.cell
@@ -42,9 +42,9 @@ def scatter(local, whole):
     return float(np.sqrt(np.mean((np.asarray(local) / float(whole) - 1) ** 2)))
 
 
-def width_rows(snapshot):
+def width_rows(snapshot, points, repeats):
     """Error of the local pressure, and of a velocity wave, against the width of the Gaussian."""
-    points, whole = nodes(snapshot), average(snapshot, fields="pressure").pressure
+    whole = average(snapshot, fields="pressure").pressure
     d, height = snapshot.mean_diameter, snapshot.cell[1, 1]
     waves = round(height / (WAVELENGTH * d))
     waving = replace(snapshot, velocity=shear_wave(snapshot.position[:, 1], waves / height), cell_velocity=None)
@@ -53,11 +53,9 @@ def width_rows(snapshot):
     for width in WIDTHS:
         where = {"on": "points", "points": points, "width": width * d}
         default = width == DEFAULT_WIDTH
-        seconds = seconds_of(lambda where=where: average(snapshot, fields="pressure", **where), REPEATS)
-        error = scatter(average(snapshot, fields="pressure", **where).pressure, whole)
-        noise.append(row("width in d: scatter of the pressure at a point", width, error, seconds, default))
-        seconds = seconds_of(lambda where=where: average(waving, fields="velocity", **where), REPEATS)
-        wave = average(waving, fields="velocity", **where).velocity[0]
+        local, seconds = timed(lambda where=where: average(snapshot, fields="pressure", **where).pressure, repeats)
+        noise.append(row("width in d: scatter of the pressure at a point", width, scatter(local, whole), seconds, default))
+        wave, seconds = timed(lambda where=where: average(waving, fields="velocity", **where).velocity[0], repeats)
         error = float(np.sqrt(np.nanmean((wave - exact) ** 2) / np.mean(exact**2)))
         bias.append(row(f"width in d: error of a velocity wave of {WAVELENGTH:g} d", width, error, seconds, default))
     return noise + bias
@@ -68,9 +66,9 @@ def shear_wave(y, wave_number):
     return np.stack([np.sin(2 * np.pi * wave_number * y), np.zeros(len(y))], axis=1)
 
 
-def kernel_rows(snapshot):
+def kernel_rows(snapshot, points, repeats):
     """Scatter of the pressure for kernels of one standard deviation, and for squares of the same with exact shares."""
-    whole, points, d = average(snapshot, fields="pressure").pressure, nodes(snapshot), snapshot.mean_diameter
+    whole, d = average(snapshot, fields="pressure").pressure, snapshot.mean_diameter
     places = {}
     for kernel in KERNELS:
         width = d**2 / standard_deviation(smoothing(kernel, d, 2))  # so that the standard deviation is one diameter
@@ -78,13 +76,13 @@ def kernel_rows(snapshot):
     places["squares, exact shares"] = {"on": "grid", "width": math.sqrt(12.0) * d}
     rows = []
     for name, where in places.items():
-        seconds = seconds_of(lambda where=where: average(snapshot, fields="pressure", **where), REPEATS)
-        error = scatter(average(snapshot, fields="pressure", **where).pressure, whole)
-        rows.append(row("kernel of standard deviation 1 d: scatter of the pressure", name, error, seconds, name == "gaussian"))
+        local, seconds = timed(lambda where=where: average(snapshot, fields="pressure", **where).pressure, repeats)
+        knob = "kernel of standard deviation 1 d: scatter of the pressure"
+        rows.append(row(knob, name, scatter(local, whole), seconds, name == "gaussian"))
     return rows
 
 
-def grains_rows(snapshot):
+def grains_rows(snapshot, repeats):
     """Scatter of the pressure between squares that hold so many grains: it falls with the root of their number."""
     whole, rows = average(snapshot, fields="pressure").pressure, []
     for parts in (32, 16, 8, 4, 2):
@@ -92,13 +90,12 @@ def grains_rows(snapshot):
         grains = len(snapshot.radius) / parts**2
         if grains < 2:
             continue
-        seconds = seconds_of(lambda edges=edges: average(snapshot, on="grid", edges=edges, fields="pressure"), REPEATS)
-        error = scatter(average(snapshot, on="grid", edges=edges, fields="pressure").pressure, whole)
-        rows.append(row("grains in a cell: scatter of the pressure", round(grains), error, seconds))
+        local, seconds = timed(lambda edges=edges: average(snapshot, on="grid", edges=edges, fields="pressure").pressure, repeats)
+        rows.append(row("grains in a cell: scatter of the pressure", round(grains), scatter(local, whole), seconds))
     return rows
 
 
-def snapshots_rows(quick):
+def snapshots_rows(quick, repeats):
     """Error of s_D of a sheared cell of 100 grains against the number of snapshots, spread over the run.
 
     The snapshots of one run are dealt into sets; the error is the scatter of the sets about the mean over all, whose own error is as
@@ -109,23 +106,23 @@ def snapshots_rows(quick):
     whole, rows = average(run, fields="s_D").s_D, []
     for count in (1, 4, 16):
         sets = [run.frames[begin :: frames // count] for begin in range(frames // count)]
-        seconds = seconds_of(lambda sets=sets: average(sets[0], fields="s_D"), REPEATS)
+        _, seconds = timed(lambda sets=sets: average(sets[0], fields="s_D"), repeats)
         error = scatter([float(average(part, fields="s_D").s_D) for part in sets], whole)
         rows.append(row("snapshots of a run: scatter of s_D", count, error, seconds))
     return rows
 
 
-def price_rows(snapshot):
+def price_rows(snapshot, points, repeats):
     """What each field costs by itself on rings and at points; asked for together, they share most of it."""
     ring = replace(snapshot, cell=None, cell_velocity=None)  # seen as a disc-shaped sample: only the time matters
     rows = []
     for title, sample, where in (
         ("price of a field on rings of 1 d", ring, {"on": "rings"}),
-        ("price of a field at 900 points, width 1 d", snapshot, {"on": "points", "points": nodes(snapshot)}),
+        (f"price of a field at {len(points)} points, width 1 d", snapshot, {"on": "points", "points": points}),
     ):
         names = known_at(place_of(sample, **where))
         for fields in [*([name] for name in names), names]:
             value = fields[0] if len(fields) == 1 else "all together"
-            seconds = seconds_of(lambda fields=fields, sample=sample, where=where: average(sample, fields=fields, **where), REPEATS)
+            _, seconds = timed(lambda fields=fields, sample=sample, where=where: average(sample, fields=fields, **where), repeats)
             rows.append(row(f"{title}, {len(sample.radius)} grains", value, None, seconds))
     return rows

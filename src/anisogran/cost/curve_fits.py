@@ -29,7 +29,7 @@ DEFAULT_SAMPLES = 200
 
 def fitting_cost(quick=False):
     """Rows {knob, value, error, seconds, default} for the fits, a list; processor seconds of one fit, means over the data sets."""
-    sets, thin = (10, slice(None, None, 2)) if quick else (100, slice(None))
+    sets, thin = (4, slice(None, None, 2)) if quick else (100, slice(None))
     told = f"error of {{}}, {sets} data sets"
     rows = block(f"points, white noise: {told}", ((n, data_sets(n, sets)) for n in POINTS[thin]), ROWS)
     correlated = ((n, data_sets(n, sets, memory=MEMORY)) for n in POINTS[thin])

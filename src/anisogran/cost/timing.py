@@ -16,8 +16,3 @@ def timed(work, repeats):
     work()
     results, seconds = zip(*(clocked(work) for _ in range(repeats)), strict=True)
     return results[-1], statistics.median(seconds)
-
-
-def seconds_of(work, repeats):
-    """The median of its seconds of the processor, after one run that may compile."""
-    return timed(work, repeats)[1]
