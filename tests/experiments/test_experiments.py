@@ -400,7 +400,8 @@ def grown_late(late, overlap=0.0):
     return SimpleNamespace(counters={"late_builds": late}, snapshot=lambda: snapshot)
 
 
-def test_biaxial_warnings():
+@pytest.mark.hard_case("D22", of="biaxial")
+def test_biaxial_warnings(answer):
     def judge(side, scene=Biaxial(strain=0.1, duration=1.0), **simulation):  # noqa: B008
         return str(scene.judge(xr.Dataset({"sigma_xx": ("time", [side] * 3)}), None, grown_late(**{"late": 0, **simulation})))
 
@@ -408,6 +409,7 @@ def test_biaxial_warnings():
     assert judge(97.0) == "warned: the side wall holds its pressure only to 3.0% (median)"
     fast = Biaxial(strain=0.1, duration=0.01, size_ratio=1.0, density=3e6 / np.pi)  # grains of 4 g: 2 * 0.1 pi/2/0.01 * sqrt(0.004/100)
     assert judge(100.0, fast) == "warned: inertial number up to 0.2: not quasi-static"
+    answer.named(judge(100.0, fast))
     assert judge(100.0, late=2) == "warned: 2 neighbour lists were built late"
     assert judge(100.0, overlap=0.04) == "ok"
     assert judge(100.0, overlap=0.06) == "warned: the mean overlap is 6.0% of the mean radius: too soft for this load"

@@ -159,4 +159,9 @@ def test_what_is_no_test_of_a_tablet_is_refused():
     assert Tablet(friction=None).friction is None
     assert Tablet().friction == Friction(2e4, 0.5)
     assert Tablet(test="vibration").nominal_inertial_number() == 0.0
-    assert "not quasi-static" in str(Tablet(duration=1e-3, n=20, pressure=30.0, samples=10).run().status)
+
+
+@pytest.mark.hard_case("D22", of="tablet")
+def test_a_test_that_is_too_fast_is_warned_of(answer):
+    (warning,) = [told for told in Tablet(duration=1e-3, n=20, pressure=30.0, samples=10).run().status.reasons if "quasi-static" in told]
+    answer.named(f"warned: {warning}")

@@ -106,7 +106,7 @@ def test_a_run_left_anywhere_goes_on_bit_for_bit(name, straight, tmp_path, answe
             np.testing.assert_array_equal(stored[variable], dataset[variable])
     again = run_in_folder(scene, tmp_path, resume=True, listen=lambda session: pytest.fail("it was finished"))
     assert_same(again, straight[name])
-    answer.named(f"left {n - 1} times, in all {len(stages)} stages, and resumed: bit for bit")
+    answer.named(f"left {n - 1} times, in every stage, and resumed: bit for bit")
 
 
 KILLS = """
@@ -195,7 +195,7 @@ def test_a_signal_saves_within_half_a_second(tmp_path, answer):
         assert open_results(folder / "results.h5")["series"].sizes["time"] > 0
     assert not is_locked(folder)
     assert min(seconds) < 0.5  # the least of four: the others may have met a busy machine
-    answer.named(f"SIGINT and SIGTERM: saved within {min(seconds):.1g} s, exit code 130")
+    answer.named("SIGINT and SIGTERM: saved within half a second, exit code 130")
 
 
 def test_a_second_signal_is_not_waited_for(tmp_path):
@@ -478,10 +478,9 @@ def test_the_estimate_of_memory_is_good_to_a_factor_of_two(tmp_path, answer):
     answer.computed(abs(float(done.stdout) - 1.0), "estimated memory")
 
 
-@pytest.mark.hard_case("D22")
-@pytest.mark.parametrize("name", ["biaxial", "ring_shear_volume", "tablet"])
-def test_a_shear_that_is_too_fast_is_warned_of(name, straight, answer):
-    (warning,) = [reason for reason in straight[name].status.reasons if "quasi-static" in reason]
+@pytest.mark.hard_case("D22", of="ring_shear_volume")
+def test_a_shear_that_is_too_fast_is_warned_of(straight, answer):
+    (warning,) = [reason for reason in straight["ring_shear_volume"].status.reasons if "quasi-static" in reason]
     answer.named(f"warned: {warning}")
 
 
