@@ -7,6 +7,7 @@ import pytest
 
 import anisogran as ag
 from anisogran.comparison import study_runs
+from anisogran.continuum import LAWS
 from anisogran.experiments.scene_file import scene_from
 
 DATA = Path(__file__).parents[1] / "fits" / "data"
@@ -41,7 +42,8 @@ def test_the_stress_of_every_cell_is_in_balance(studies, file, cell):
     assert (np.sqrt(np.mean(residual**2, axis=1)) < 0.03 * profiles.pressure.mean("r").values).all()
 
 
-def test_the_torques_on_both_rings_agree_within_their_errors(studies):
+@pytest.mark.hard_case("N7", of=[law.kind for law in LAWS])
+def test_the_torques_on_both_rings_agree_within_their_errors(studies, answer):
     """Of 20 runs nearly all within two standard errors of 3 to 8 blocks, and all within 2 %: the sample takes up no torque on average."""
     deviations = []
     for file, cell in CELLS:
@@ -52,7 +54,9 @@ def test_the_torques_on_both_rings_agree_within_their_errors(studies):
             means = [part.mean() for part in np.array_split(difference, blocks)]
             assert abs(difference.mean()) < 0.02
             deviations.append(abs(difference.mean()) / (np.std(means, ddof=1) / np.sqrt(blocks)))
-    assert np.mean(np.array(deviations) < 2) > 0.8
+    within = np.array(deviations) < 2
+    assert np.mean(within) > 0.8
+    answer.named(f"of grains within two standard errors in {within.sum()} of {within.size} runs")
 
 
 @pytest.mark.parametrize(("file", "cell"), CELLS)

@@ -74,6 +74,7 @@ def test_a_table_holds_numbers_under_names_of_the_glossary(answer):
     answer.named("tables hold numbers under names of the glossary")
 
 
+@pytest.mark.hard_case("N6", of=[law.kind for law in LAWS])
 def test_what_is_no_solution_is_marked_everywhere(file, tmp_path, capsys):
     out, numbers = tmp_path / "out", tmp_path / "flow.json"
     code, printed, error = run(capsys, file, "--out", out, "--json", numbers, "--set", "max_iterations=2")

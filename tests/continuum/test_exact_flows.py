@@ -6,8 +6,10 @@ from newtonian import Newtonian
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from anisogran.continuum import Jop, LocalMuI, Nonlocal, Regularised, RingFlow, local_mu_i, newtonian_couette
+from anisogran.continuum import Jop, LocalMuI, Regularised, RingFlow, local_mu_i, newtonian_couette
 from anisogran.continuum.exact import local_speed, local_stress_ratio
+from anisogran.outcome import InputError
+from continuum_cases import CASES, LOCAL, name
 
 LAW = LocalMuI(mu_s=0.26, b=1.0)
 
@@ -34,11 +36,13 @@ def test_newtonian_couette(r_inner):
     assert flow.torques.inner == pytest.approx(torque, rel=1e-6)  # reactions converge with h^4
 
 
-def test_small_inner_radius_on_a_graded_mesh():
+@pytest.mark.hard_case("N4", of=[law.kind for law in CASES])
+def test_small_inner_radius_on_a_graded_mesh(answer):
     """R_i/R_o = 0.01: the torque is right to 1e-8, so 1/r^2 is integrated well."""
     flow = RingFlow(0.01, 1.0, Newtonian(1.0), 1.0, 1.0, elements=512).solve()
     exact = 4.0 * np.pi * 0.99 * (1.0 / 0.01) * 1e-4 / (1.0 - 1e-4)
     assert flow.torques.inner == pytest.approx(exact, rel=1e-8)
+    answer.computed(abs(flow.torques.inner / exact - 1.0), "torque of a Newtonian fluid at R_i = R_o/100")
 
 
 def test_exact_local_profile_solves_its_own_law():
@@ -94,6 +98,21 @@ def test_other_local_laws_against_quadrature(law):
     assert errors[0] > 5.0 * errors[1] > 20.0 * errors[2], errors
 
 
+@pytest.mark.hard_case("N4")
+@pytest.mark.parametrize("law", LOCAL, ids=name)
+def test_a_hundredth_of_the_radius_inside(law, answer):
+    """The stress ratio at the inner ring, from the speed that it makes; a smaller ring than 1e-6 R_o is refused."""
+    flow = RingFlow(0.3, 30.0, law, 0.02, 1.0, rate_floor=1e-6, elements=256).solve()
+    ratio = flow.stress_ratio_wall
+    speeds = [quadrature_speed(0.3, one, law, 0.3, 30.0) for one in (ratio, 1.001 * ratio)]
+    error = 0.001 * abs(speeds[0] - 0.02) / (speeds[1] - speeds[0])  # to first order
+    assert error < 5e-5  # the edge of the layer, h^2: measured 1.7e-5; below 1e-7 for the laws that creep or bend
+    answer.computed(error, "stress ratio at R_i = R_o/100")
+    with pytest.raises(InputError, match=r"RingFlow: r_inner = 2e-05 must be at least 3e-05 m") as caught:
+        RingFlow(2e-5, 30.0, law, 0.02, 1.0)
+    answer.refused(caught)
+
+
 @pytest.mark.parametrize("wall_speed", [1e-5, 1e-2, -0.3, 3.0])
 def test_stress_ratio_of_the_local_law(wall_speed):
     flow = RingFlow(13.0, 33.0, LAW, wall_speed, 1.0, elements=128).solve()
@@ -102,18 +121,32 @@ def test_stress_ratio_of_the_local_law(wall_speed):
     assert np.sign(flow.stress[0, 1, 0]) == np.sign(flow.torques.inner) == np.sign(wall_speed)
 
 
-def test_thin_gap_is_plane_couette_flow():
-    """Gap over radius 1e-3: v falls linearly to 1e-3 (curvature), and the stress is uniform."""
-    flow = RingFlow(1000.0, 1001.0, LAW, 0.1, 1.0).solve()
-    plane = 0.1 * (1001.0 - flow.r)
-    assert np.abs(flow.v_phi - plane).max() < 2.5e-3 * 0.1  # mu falls by 2e-3 across the gap, I = (mu - mu_s)/b = 0.1 by 2 % of itself
-    plane_ratio = LAW.mu_s + LAW.b * 0.1
-    assert flow.stress_ratio_wall == pytest.approx(plane_ratio, rel=2e-3)
+@pytest.mark.hard_case("N2")
+@pytest.mark.parametrize("law", CASES, ids=name)
+def test_thin_gap_is_plane_couette_flow(law, answer):
+    """Gap over radius e = 1e-3: v is linear but for the curvature, which bends it to first order in e.
+
+    mu falls by 2 e mu across the gap, so the rate -dv/dr + v/r by the share k = 2 e mu/(I dmu/dI): v = V (1 - s - (k - e)/2 s (1 - s)).
+    The grains are small: in a gap of one diameter a nonlocal law is flatter.
+    """
+    flow = RingFlow(1000.0, 1001.0, law, 0.1, 1.0, grain_diameter=0.01).solve()
+    s, mu = flow.r - 1000.0, law.friction(np.array(0.1))
+    k = 2e-3 * mu / np.imag(law.friction(0.1 * (1.0 + 1e-30j)) / 1e-30)
+    plane, bent = 1.0 - s, -0.5 * (k - 1e-3) * s * (1.0 - s)
+    error = np.abs(flow.v_phi / 0.1 - plane - bent).max()
+    assert error < 1e-5  # e^2 and k^2/50; k is 0.007 to 0.018
+    ratio = abs(flow.stress_ratio_wall / mu - 1.0)
+    assert ratio < 1.5e-3  # half of 2 e, and e k/2
+    answer.computed(error, "plane Couette flow bent by the curvature")
+    answer.computed(np.abs(flow.v_phi / 0.1 - plane).max(), "plane Couette flow as such")
 
 
-@pytest.mark.parametrize("law", [LAW, Nonlocal(0.26, 1.0, 0.9), Newtonian(1.0)])
+TURNING = [*(pytest.param(law, marks=pytest.mark.hard_case("M4"), id=law.kind) for law in CASES), Newtonian(1.0)]
+
+
+@pytest.mark.parametrize("law", TURNING)
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_rings_that_turn_together_carry_the_grains_along_without_shear(law, dimension):
+def test_rings_that_turn_together_carry_the_grains_along_without_shear(law, dimension, answer):
     """The start is the answer: no stress but pressure, no torque, found at once."""
     problem = RingFlow(13.0, 33.0, law, 1.3, 1.0, outer_speed=3.3, dimension=dimension, elements=16, elements_around=8)
     flow = problem.solve()
@@ -125,6 +158,9 @@ def test_rings_that_turn_together_carry_the_grains_along_without_shear(law, dime
     assert flow.status.level == "ok"
     if "g" not in law.fields:
         assert max(flow.history) < 1e-10  # rounding
+    answer.computed(np.abs(flow.v_phi / (0.1 * flow.r) - 1.0).max(), "rigid rotation")
+    answer.computed(flow.stress_ratio_wall, "no shear stress, of the pressure")
+    answer.named(f"{flow.iterations} iterations {'on a line' if dimension == 1 else 'in the plane'}")
 
 
 @pytest.mark.parametrize("law", [LAW, Newtonian(1.0)])

@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from continuum_cases import CASES, LOCAL, example, name
 
 from anisogran import tensors
 from anisogran.continuum import Jop, LocalMuI, Nonlocal, Regularised, RingFlow
@@ -12,6 +11,7 @@ from anisogran.continuum.balance import Point, Setting
 from anisogran.continuum.laws.coaxial import shear_rate
 from anisogran.models import element_test, viscosity, well_posed_ranges
 from anisogran.outcome import InputError, NotConverged
+from continuum_cases import CASES, LOCAL, example, name
 
 SETTING = Setting(inertial=0.3, diameter=0.1, density=0.0, rate_floor=1e-9, inner=1.0)
 
@@ -82,8 +82,17 @@ def test_a_quadrature_point_has_the_viscosity_of_a_curve(law, rng):
     np.testing.assert_allclose(-shear / rate, expected, rtol=1e-14)
 
 
+FAST = {  # what the friction of each law tends to at large I, over I or as it is
+    "local_mu_i": lambda law, I: law.b * I,
+    "jop": lambda law, I: law.mu_2,
+    "regularised": lambda law, I: law.mu_inf * I,
+    "nonlocal": lambda law, I: law.b * I,
+}
+
+
+@pytest.mark.hard_case("M2")
 @pytest.mark.parametrize("law", CASES, ids=name)
-def test_friction_at_rest_and_at_any_speed(law):
+def test_friction_at_rest_and_at_any_speed(law, answer):
     I = np.array([0.0, 1e-300, 1e-12, 1.0, 1e300])
     mu = law.friction(I)
     assert np.isfinite(mu).all()
@@ -91,6 +100,9 @@ def test_friction_at_rest_and_at_any_speed(law):
     assert np.isnan(law.friction(np.nan))  # a NaN is not hidden
     slopes = law.friction(I[1:] * (1.0 + 1e-8j)).imag
     assert np.isfinite(slopes).all()
+    error = abs(mu[-1] / FAST[law.kind](law, 1e300) - 1.0)
+    assert error < 1e-14  # some roundings
+    answer.computed(error, "limit of mu at I = 1e300")
 
 
 def test_limits_of_the_friction():
@@ -102,27 +114,34 @@ def test_limits_of_the_friction():
     assert Regularised(0.342, 0.557, 0.069).friction(1e-6) == pytest.approx(0.2845, rel=2e-4)
 
 
+@pytest.mark.hard_case("M1")
 @pytest.mark.parametrize("law", CASES, ids=name)
 @pytest.mark.parametrize("wall_speed", [1e-7, 1e-3, 0.3])
-def test_slow_and_fast_rings_do_not_depend_on_the_rate_floor_or_say_so(law, wall_speed):
+def test_slow_and_fast_rings_do_not_depend_on_the_rate_floor_or_say_so(law, wall_speed, answer):
     flows = [RingFlow(13.0, 33.0, law, wall_speed, 1.0, rate_floor=floor).solve() for floor in (law.floor, 0.1 * law.floor)]
     change = np.sqrt(np.sum((flows[0].v_phi - flows[1].v_phi) ** 2) / np.sum(flows[1].v_phi ** 2))
     assert change < 0.01 or "rate floor" in str(flows[0].status), change
+    answer.computed(change, "v_phi against a tenth of the rate floor")
+    if "rate floor" in str(flows[0].status):
+        answer.named(flows[0].status)
     high = 1e-5 if "g" in law.fields else 0.1
     coarse = RingFlow(13.0, 33.0, law, wall_speed, 1.0, rate_floor=high).solve()
     change = np.sqrt(np.sum((coarse.v_phi - flows[1].v_phi) ** 2) / np.sum(flows[1].v_phi ** 2))
     assert (change < 0.02) == ("rate floor" not in str(coarse.status)), change
 
 
+@pytest.mark.hard_case("M2")
 @pytest.mark.parametrize("law", CASES, ids=name)
-def test_only_a_linear_law_is_flagged_above_its_range(law):
+def test_only_a_linear_law_is_flagged_above_its_range(law, answer):
     flow = RingFlow(13.0, 33.0, law, 0.6, 1.0).solve()
     assert flow.inertial_number.max() > 0.2
     assert ("meant for I <= 0.2" in str(flow.status)) == (law.valid_to < np.inf) == hasattr(law, "b")
+    answer.named(flow.status if hasattr(law, "b") else "no upper end of its range")
 
 
+@pytest.mark.hard_case("M5")
 @pytest.mark.parametrize("law", CASES, ids=name)
-def test_a_pressure_that_falls_to_nothing_is_no_answer(law):
+def test_a_pressure_that_falls_to_nothing_is_no_answer(law, answer):
     """A centrifugal load far above the outer pressure, even if all the flow is within one element; history and last iterate are given."""
     problem = RingFlow(13.0, 33.0, law, 1.0, 1.0, inertia=True, areal_density=1e4)
     with pytest.raises(NotConverged) as caught:
@@ -130,6 +149,7 @@ def test_a_pressure_that_falls_to_nothing_is_no_answer(law):
     assert len(caught.value.history) > 0
     assert np.isfinite(caught.value.best.unknowns).all()
     assert not caught.value.best.status
+    answer.named(caught)
 
 
 def test_a_flow_thinner_than_an_element_is_told():
@@ -137,6 +157,28 @@ def test_a_flow_thinner_than_an_element_is_told():
     fast = RingFlow(13.0, 33.0, example(Jop), 10.0, 1.0).solve()
     assert "falls within one element" in str(fast.status)
     assert RingFlow(13.0, 33.0, example(Jop), 0.3, 1.0).solve().status.level == "ok"
+
+
+@pytest.mark.hard_case("M3")
+@pytest.mark.parametrize("law", CASES, ids=name)
+def test_the_share_of_an_ill_posed_flow_is_that_of_its_law(law, answer):
+    """C(I) = 4 n^2 - 4 n + mu^2 (1 - n/2)^2 > 0 with n = d ln mu/d ln I by differences, on fine radii; a nonlocal law has no C(I)."""
+    flows = [RingFlow(13.0, 33.0, law, wall_speed, 1.0).solve() for wall_speed in (1e-5, 0.3)]
+    shares = [flow.ill_posed_share for flow in flows]
+    if "g" in law.fields:
+        assert shares == [None, None]
+        answer.named("C(I) is that of a local law: no share is told")
+        return
+    r = np.linspace(13.0, 33.0, 4001)
+    for flow in flows:
+        I = np.hypot(flow.at(r).inertial_number, flow.problem.setting().inertial * flow.problem.floor)  # as the stress sees it
+        mu, step = law.friction(I), 1e-5
+        n = (law.friction(I * (1.0 + step)) - law.friction(I * (1.0 - step))) / (2.0 * step * mu)
+        ill_posed = 4.0 * n**2 - 4.0 * n + mu**2 * (1.0 - 0.5 * n) ** 2 > 0.0
+        expected = np.trapezoid(ill_posed * r, r) / np.trapezoid(r, r)
+        assert flow.ill_posed_share == pytest.approx(expected, abs=0.02)  # counted by quadrature points, five in an element of 1 at most
+        answer.computed(abs(flow.ill_posed_share - expected), "ill-posed share of the area, absolute")
+    answer.named("of the area {:.0%} at the wall speed 1e-5, {:.0%} at 0.3".format(*shares))
 
 
 def test_where_a_flow_in_time_would_be_ill_posed():

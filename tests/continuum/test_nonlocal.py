@@ -44,6 +44,20 @@ def test_slow_limit_is_the_eigenvalue(amplitude, wall):
     assert flow.stress_ratio_wall == pytest.approx(expected, rel=1e-5)  # mesh 5e-7 at A = 0.5; speed and floor below 1e-7
 
 
+@pytest.mark.hard_case("N4", of="nonlocal")
+def test_a_hundredth_of_the_radius_inside(answer):
+    """Against the eigenvalue; a smaller ring than 1e-6 R_o is refused."""
+    with np.errstate(all="ignore"):
+        expected = slow_stress_ratio(LAW, 0.3, 30.0, points=160)
+    flow = RingFlow(0.3, 30.0, LAW, 1e-9, 1.0, elements=512).solve()
+    error = abs(flow.stress_ratio_wall / expected - 1.0)
+    assert error < 1e-7
+    answer.computed(error, "stress ratio at R_i = R_o/100")
+    with pytest.raises(InputError, match=r"RingFlow: r_inner = 2e-05 must be at least 3e-05 m") as caught:
+        RingFlow(2e-5, 30.0, LAW, 0.02, 1.0)
+    answer.refused(caught)
+
+
 def test_finite_speed_against_a_collocation_solver():
     """Uniform p and r^2 tau leave an equation for g alone, A^2 (g'' + g'/r) = mu_s g - mu (1 - b g) g, and v from mu g."""
     speed, inner, outer = 0.5, 13.0, 33.0

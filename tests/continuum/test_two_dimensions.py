@@ -7,7 +7,7 @@ import pytest
 from newtonian import Newtonian
 from scipy.linalg import eigh
 
-from anisogran.continuum import LocalMuI, Nonlocal, RingFlow
+from anisogran.continuum import LAWS, LocalMuI, Nonlocal, RingFlow
 from anisogran.continuum.space import Space
 from anisogran.outcome import InputError
 
@@ -123,11 +123,13 @@ def test_weights_add_up_to_the_area_between_the_rings():
     assert space.arc(outer=False).sum() == pytest.approx(2.0 * np.pi, rel=1e-3)  # Simpson
 
 
-def test_pressure_and_velocity_fit_each_other_on_any_mesh():
+@pytest.mark.hard_case("N1", of=[law.kind for law in LAWS])
+def test_pressure_and_velocity_fit_each_other_on_any_mesh(answer):
     """The inf-sup constant of velocity and pressure between resting rings does not fall with the mesh: no locking, no idle pressure."""
     constants = [inf_sup(elements, 2 * elements) for elements in (2, 4)]
     assert constants[1] > 0.9 * constants[0]
     assert constants[1] > 0.18  # measured .187, .1835, and .1834 on finer meshes; an unstable pair has 0
+    answer.named(f"inf-sup constant {constants[0]:.3f} and, on twice the mesh, {constants[1]:.3f}")
 
 
 def inf_sup(elements, around):

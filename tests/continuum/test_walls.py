@@ -10,6 +10,7 @@ from anisogran.continuum import CoulombSlip, LocalMuI, NavierSlip, Nonlocal, Rin
 from anisogran.continuum.exact import local_speed
 from anisogran.continuum.walls import slip_velocity
 from anisogran.outcome import InputError
+from continuum_cases import CASES, name
 
 LOCAL, NONLOCAL = LocalMuI(0.26, 1.0), Nonlocal(0.26, 1.0, 0.9)
 FAST = 0.1  # wall speed at which the stress ratio, .36 and .42, is well above that of slow flow, .26 and .39
@@ -42,9 +43,10 @@ def test_coulomb_slip_of_the_local_law(friction):
     assert flow.torques.difference < 1e-8
 
 
-@pytest.mark.parametrize("law", [LOCAL, NONLOCAL])
+@pytest.mark.hard_case("N5")
+@pytest.mark.parametrize("law", CASES, ids=name)
 @pytest.mark.parametrize("wall", [CoulombSlip, NavierSlip])
-def test_slip_goes_from_sticking_to_no_torque(law, wall):
+def test_slip_goes_from_sticking_to_no_torque(law, wall, answer):
     """Monotone in the parameter of the wall; a large one sticks, 0 takes no torque and leaves the grains at rest."""
     rough = ring(law).solve()
     strengths = (0.0, 0.3, 0.4, 1.0) if wall is CoulombSlip else (0.0, 3.0, 30.0, 1e7)
@@ -62,6 +64,9 @@ def test_slip_goes_from_sticking_to_no_torque(law, wall):
     # the film of 1e7 slips by the stress over it
     assert ratios[-1] == pytest.approx(rough.stress_ratio_wall, rel=1e-7)
     assert slips[-1] < 1e-6 * FAST
+    answer.computed(abs(ratios[-1] / rough.stress_ratio_wall - 1.0), f"stress ratio of a {wall.__name__} that all but sticks")
+    answer.computed(abs(slips[0] / FAST - 1.0), "slip of a wall without friction")
+    answer.named("slip falls and torque grows with the strength of the wall")
 
 
 def test_friction_below_the_slow_limit_moves_nothing():
