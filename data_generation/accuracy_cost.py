@@ -1,80 +1,66 @@
-"""What accuracy costs in time, for the time step of a contact and the mesh of the continuum ring: error beside seconds.
+"""What accuracy costs in time, room by room: error against seconds of the processor for each knob, with the machine and the date.
 
-    python data_generation/accuracy_cost.py accuracy_cost.h5 [--quick]
+    python data_generation/accuracy_cost.py accuracy_cost.json [ROOM ...] [--quick]
 
-The restitution error is the worst over phases of the first touch within a step, against the closed form; its seconds are those of the
-time loop for 1,000 pairs. The flow is compared with itself on a mesh of 1,024 elements.
+Without names all rooms are gone through one after the other, some 25 minutes of one core; the file is whole after each. Rooms that are
+named are put into a file that is there, in place of their old rows, if it was made on the same kind of processor.
 """
 
 import argparse
-import math
-import time
-from dataclasses import replace
+import json
+import os
+import platform
+from datetime import UTC, datetime
+from pathlib import Path
 
-import numpy as np
-import xarray as xr
-
-import anisogran as ag
-from anisogran.files import check_writable, save_results
-
-STEPS_PER_COLLISION = (10, 20, 50, 100, 200)
-ELEMENTS = (16, 32, 64, 128, 256)
+from anisogran import cost
+from anisogran.files import check_writable, software, write_json
+from anisogran.outcome import InputError
 
 
-def restitution(steps_per_collision, pairs=1000):
-    """(error, seconds) of head-on impacts with restitution 0.80, the touch spread over all phases of a step."""
-    law = ag.Linear(stiffness=1e4, damping=10.0)
-    duration = ag.dem.collision_time(law, np.ones(2))
-    dt = duration / steps_per_collision
-    row = 3.0 * np.arange(pairs)
-    gap = dt * np.arange(pairs) / pairs
-    left, right = np.stack([0 * row, row], axis=1), np.stack([1.0 + gap, row], axis=1)
-    velocity = np.repeat([[0.5, 0.0], [-0.5, 0.0]], pairs, axis=0)
-    grains = ag.dem.Grains(np.concatenate([left, right]), np.full(2 * pairs, 0.5), mass=np.ones(2 * pairs), velocity=velocity)
-    sim = ag.dem.Simulation(grains, law, dt=dt)
-    sim.run(1)  # compiles
-    clock = time.perf_counter()
-    sim.run(3 * steps_per_collision)
-    seconds = time.perf_counter() - clock
-    speed = sim.velocity[pairs:, 0] - sim.velocity[:pairs, 0]
-    exact = math.exp(-law.damping * duration / (2 * 0.5))
-    return float(np.abs(speed - exact).max()), seconds
+def processor():
+    """The name of the processor, as well as the system tells it."""
+    told = Path("/proc/cpuinfo")
+    lines = told.read_text().splitlines() if told.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
 
 
-def ring_flow(elements, reference):
-    """(relative L2 error of v_phi, seconds) of the nonlocal ring flow."""
-    problem = replace(reference.problem, elements=elements)
-    problem.solve()  # warm
-    clock = time.perf_counter()
-    flow = problem.solve()
-    seconds = time.perf_counter() - clock
-    r = np.linspace(13.0, 33.0, 4001)
-    v, exact = flow.at(r).v_phi, reference.at(r).v_phi
-    return float(np.sqrt(np.sum(r * (v - exact) ** 2) / np.sum(r * exact**2))), seconds
+def kept(path, about):
+    """{room: rows} of a file that is there; InputError if another processor made it, since seconds would not compare."""
+    if not Path(path).exists():
+        return {}
+    old = json.loads(Path(path).read_text())
+    if old["about"]["processor"] != about["processor"]:
+        raise InputError(f"{path}: was made on {old['about']['processor']}, this is {about['processor']}: make all rooms anew")
+    return {room: rows for room, rows in old.items() if room != "about"}
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file")
-    parser.add_argument("--quick", action="store_true", help="the coarser half only")
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", help=f"{', '.join(cost.ROOMS)}; all if none is named")
+    parser.add_argument("--quick", action="store_true", help="small samples, rough numbers")
     options = parser.parse_args(arguments)
+    for room in options.rooms:
+        if room not in cost.ROOMS:
+            raise InputError(f"room = {room}: must be one of {', '.join(cost.ROOMS)}")
     check_writable(options.file)
-    keep = slice(0, 3) if options.quick else slice(None)
-    law = ag.continuum.Nonlocal(mu_s=0.26, b=1.0, amplitude=0.9)
-    reference = ag.RingFlow(13.0, 33.0, law, 1e-3, 1.0, elements=1024).solve()
-    tables = {
-        "steps_per_collision": {n: restitution(n) for n in STEPS_PER_COLLISION[keep]},
-        "elements": {n: ring_flow(n, reference) for n in ELEMENTS[keep]},
-    }
-    datasets = {}
-    for knob, table in tables.items():
-        print(f"{knob:>20}      error    seconds")
-        for value, (error, seconds) in table.items():
-            print(f"{value:20d} {error:10.1e} {seconds:10.4f}")
-        errors, seconds = np.array(list(table.values())).T
-        datasets[knob] = xr.Dataset({"error": (knob, errors), "seconds": (knob, seconds, {"units": "s"})}, coords={knob: list(table)})
-    save_results(options.file, datasets, {})
-    return tables
+    about = {"date": f"{datetime.now(UTC):%Y-%m-%d}", "processor": processor(), "cores": os.cpu_count(), "quick": options.quick}
+    about |= {"versions": software()}
+    found = kept(options.file, about) if options.rooms else {}
+    for room in options.rooms or cost.ROOMS:
+        rows = cost.rows_of(room, options.quick)
+        print(f"\n== {room} ==\n{cost.table_text(rows)}", flush=True)
+        found[room] = [row | {name: rounded(row[name]) for name in ("error", "seconds")} for row in rows]
+        in_order = {name: found[name] for name in cost.ROOMS if name in found}
+        write_json(options.file, {"about": about} | in_order)
+    return found
+
+
+def rounded(number):
+    """Four digits, more than is known."""
+    return None if number is None else float(f"{number:.3e}")
 
 
 if __name__ == "__main__":

@@ -12,14 +12,26 @@ from anisogran.cli import cost_command
 from anisogran.cost import curve_fits, effects, rooms
 
 
-@pytest.fixture(scope="module")
-def rows(tmp_path_factory):
+def priced(room, tmp_path_factory):
+    """The rows of a room, quick, by the command, from its file; the figure has been drawn, every row has its keys and a price."""
     path = tmp_path_factory.mktemp("cost") / "cost.json"
     with pytest.raises(SystemExit) as end:
-        cli.main(["cost", "averaging", "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
+        cli.main(["cost", room, "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
     assert end.value.code == 0
-    assert (path.parent / "pictures" / "cost-averaging.png").stat().st_size > 10_000
-    return json.loads(path.read_text())["averaging"]
+    assert (path.parent / "pictures" / f"cost-{room}.png").stat().st_size > 10_000
+    rows = json.loads(path.read_text())[room]
+    for row in rows:
+        assert set(row) == {"knob", "value", "error", "seconds", "default"}
+        assert row["seconds"] > 0
+    return rows
+
+
+def check_knobs(rows, count):
+    """There are so many knobs with an error, and each has one default."""
+    knobs = {row["knob"] for row in rows if row["error"] is not None}
+    assert len(knobs) == count
+    for knob in knobs:
+        assert sum(row["default"] for row in block(rows, knob)) == 1, knob
 
 
 def block(rows, beginning):
@@ -33,10 +45,9 @@ def slope(rows):
     return np.polyfit(np.log([row["value"] for row in rows]), np.log([row["error"] for row in rows]), 1)[0]
 
 
-def test_every_row_has_its_keys_and_a_price(rows):
-    for row in rows:
-        assert set(row) == {"knob", "value", "error", "seconds", "default"}
-        assert row["seconds"] > 0
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    return priced("averaging", tmp_path_factory)
 
 
 def test_a_wider_kernel_scatters_less_and_flattens_more(rows):
@@ -81,12 +92,7 @@ def test_an_unknown_room_is_one_line(capsys):
 
 @pytest.fixture(scope="module")
 def law_rows(tmp_path_factory):
-    path = tmp_path_factory.mktemp("cost") / "cost.json"
-    with pytest.raises(SystemExit) as end:
-        cli.main(["cost", "models", "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
-    assert end.value.code == 0
-    assert (path.parent / "pictures" / "cost-models.png").stat().st_size > 10_000
-    return json.loads(path.read_text())["models"]
+    return priced("models", tmp_path_factory)
 
 
 def test_integrators_of_the_laws_have_their_orders_and_the_default_is_marked(law_rows):
@@ -102,39 +108,15 @@ def test_integrators_of_the_laws_have_their_orders_and_the_default_is_marked(law
     tolerances = block(law_rows, "tolerance of rk45")
     assert [row["error"] for row in tolerances] == sorted((row["error"] for row in tolerances), reverse=True)
     assert len(block(law_rows, "price of an update")) == 8
-    for row in law_rows:
-        assert set(row) == {"knob", "value", "error", "seconds", "default"}
-        assert row["seconds"] > 0
 
 
 @pytest.fixture(scope="module")
 def ring_rows(tmp_path_factory):
-    return json.loads(priced("continuum", tmp_path_factory).read_text())["continuum"]
-
-
-def priced(room, tmp_path_factory):
-    """The file of the rows of a room, whose figure has been drawn."""
-    path = tmp_path_factory.mktemp("cost") / "cost.json"
-    with pytest.raises(SystemExit) as end:
-        cli.main(["cost", room, "--quick", "--json", str(path), "--out", str(path.parent / "pictures")])
-    assert end.value.code == 0
-    assert (path.parent / "pictures" / f"cost-{room}.png").stat().st_size > 10_000
-    return path
-
-
-def check_rows(rows, blocks):
-    """Every row has its keys and a price, and a knob one default, where it is a choice."""
-    for row in rows:
-        assert set(row) == {"knob", "value", "error", "seconds", "default"}
-        assert row["seconds"] > 0
-    knobs = {row["knob"] for row in rows if row["error"] is not None}
-    assert len(knobs) == blocks
-    for knob in knobs:
-        assert sum(row["default"] for row in block(rows, knob)) == 1, knob
+    return priced("continuum", tmp_path_factory)
 
 
 def test_the_ring_converges_with_mesh_and_rate_floor_at_their_orders(ring_rows):
-    check_rows(ring_rows, 18)
+    check_knobs(ring_rows, 18)
     mesh = block(ring_rows, "elements along the radius: error of v_phi, nonlocal law")
     assert slope(mesh[2:]) == pytest.approx(-3.0, abs=0.1)  # quadratic elements
     mesh = block(ring_rows, "elements along the radius: error of the stress ratio, nonlocal law")
@@ -172,7 +154,7 @@ def test_the_second_dimension_buys_nothing_but_for_a_ring_off_centre(ring_rows):
 
 @pytest.fixture(scope="module")
 def fit_rows(tmp_path_factory):
-    return json.loads(priced("fitting", tmp_path_factory).read_text())["fitting"]
+    return priced("fitting", tmp_path_factory)
 
 
 def linearised(points, memory=None):
@@ -191,11 +173,11 @@ def linearised(points, memory=None):
 
 @pytest.mark.parametrize("memory", [None, curve_fits.MEMORY])
 def test_errors_of_the_fits_are_those_of_linear_theory(memory):
-    """40 data sets tell an error to 11 %; 35 % are three of that."""
-    results = [fitting.relaxation(*one, until=None).values for one in curve_fits.data_sets(400, 40, memory=memory)]
+    """20 data sets tell an error to 16 %; 45 % are three of that."""
+    results = [fitting.relaxation(*one, until=None).values for one in curve_fits.data_sets(400, 20, memory=memory)]
     for name, exact in zip(("s_0", "s_max", "beta"), linearised(400, memory), strict=True):
         measured = np.sqrt(np.mean([(values[name] - curve_fits.TRUTH[name]) ** 2 for values in results]))
-        assert measured == pytest.approx(exact, rel=0.35), name
+        assert measured == pytest.approx(exact, rel=0.45), name
 
 
 def test_true_errors_are_those_of_linear_theory():
@@ -203,7 +185,7 @@ def test_true_errors_are_those_of_linear_theory():
 
 
 def test_more_points_help_only_where_their_noise_is_their_own(fit_rows):
-    check_rows(fit_rows, 12)
+    check_knobs(fit_rows, 12)
     for name in ("s_max", "beta"):
         white = block(fit_rows, f"points, white noise: error of {name}")
         assert [row["value"] for row in white] == [25, 100, 400, 1600]
@@ -233,12 +215,12 @@ def test_a_larger_bootstrap_knows_errors_better_up_to_what_the_data_know(fit_row
 
 @pytest.fixture(scope="module")
 def grain_rows(tmp_path_factory):
-    return json.loads(priced("dem", tmp_path_factory).read_text())["dem"]
+    return priced("dem", tmp_path_factory)
 
 
 def test_grains_converge_to_closed_forms_with_the_time_step(grain_rows):
     """To the restitutions exp(-g t_c/2 m12) and sqrt(k1/k2), and to a damped oscillator."""
-    check_rows(grain_rows, 11)
+    check_knobs(grain_rows, 11)
     for name in ("restitution, dashpot", "relaxation of a damped chain"):
         errors = block(grain_rows, f"steps in a contact time: {name}")
         assert slope(errors[2:]) == pytest.approx(-1.0, abs=0.15)  # the dashpot sees the velocity of half a step ago

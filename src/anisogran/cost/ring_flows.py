@@ -17,7 +17,7 @@ from anisogran.cost.tables import row
 from anisogran.cost.timing import clocked, timed
 from anisogran.outcome import NotConverged
 
-RADII = np.linspace(RING["r_inner"], RING["r_outer"], 1001)
+RADII = np.linspace(RING["r_inner"], RING["r_outer"], 401)
 ELEMENTS = (8, 16, 32, 64, 128, 256)
 FLOORS = {"local": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), "nonlocal": (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)}
 ITERATIONS = {"local": (10, 20, 30, 40), "nonlocal": (4, 6, 8, 10, 12)}  # of all stages; more are not needed on the default mesh

@@ -1,7 +1,7 @@
 """Pictures of runs, profiles and fits. The only room that imports matplotlib; every picture is a Figure, and no window is opened."""
 
 from anisogran.plots.contact_law import contact_law_figure, draw_contact_path
-from anisogran.plots.costs import cost_figure
+from anisogran.plots.costs import cost_figure, rooms_figure
 from anisogran.plots.directions import direction_figure
 from anisogran.plots.element import element_figure
 from anisogran.plots.fits import FittedCurve, fit_figure
@@ -42,6 +42,7 @@ __all__ = [
     "predictions_figure",
     "ring_fields",
     "ring_pictures",
+    "rooms_figure",
     "stiffness_figure",
     "stress_crosses",
     "velocity_comparison",

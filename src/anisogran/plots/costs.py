@@ -4,9 +4,9 @@ import math
 from itertools import groupby
 from textwrap import fill
 
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import NullLocator
 
-from anisogran.plots.style import COLOURS, figure
+from anisogran.plots.style import COLOURS, SERIES, figure
 
 TITLE = 56  # letters in a line of a title
 
@@ -34,9 +34,32 @@ def cost_figure(rows):
                 ax.loglog(row["seconds"], row["error"], "o", ms=12, mfc="none", mec=COLOURS["fit"], mew=1.5)
         ax.set(xlabel="seconds", ylabel="relative error", xlim=decades(seconds), ylim=decades(errors))
         ax.set_title(f"{name}\n{fill(meaning, TITLE)}", fontsize=9)
-        ax.grid(alpha=0.25, which="both")
+        ax.grid(alpha=0.25)
         for axis in (ax.xaxis, ax.yaxis):
-            axis.set_minor_formatter(NullFormatter())
+            axis.set_minor_locator(NullLocator())  # most of the time of a figure goes into ticks
+    return fig
+
+
+def rooms_figure(curves):
+    """A Figure of chosen knobs, a panel a room, from {room: {name: rows}}: error against seconds, the defaults ringed.
+
+    Knobs with numbers are lines, those with words points.
+    """
+    fig, axes = figure(2, math.ceil(len(curves) / 2), width=4.0, height=3.0)
+    for ax in axes.flat[len(curves) :]:
+        ax.set_axis_off()
+    for ax, (room, knobs) in zip(axes.flat, curves.items(), strict=False):
+        for colour, (name, block) in zip(SERIES, knobs.items(), strict=False):
+            line = "o" if isinstance(block[0]["value"], str) else "o-"
+            ax.loglog([row["seconds"] for row in block], [row["error"] for row in block], line, color=colour, ms=4, label=name)
+            for row in block:
+                if row["default"]:
+                    ax.loglog(row["seconds"], row["error"], "o", ms=10, mfc="none", mec=colour, mew=1.5)
+        ax.set(title=room, xlabel="processor seconds", ylabel="relative error")
+        ax.grid(alpha=0.25)
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_minor_locator(NullLocator())
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8, frameon=False, columnspacing=1.0, handlelength=1.5)
     return fig
 
 
