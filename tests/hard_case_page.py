@@ -85,7 +85,7 @@ def answer(request):
 
 
 def marked(item):
-    """The (case, member) that a test answers. Raises UsageError for an unknown case, and where no member is named."""
+    """The (case, member) that a test answers. Raises ValueError for an unknown case, and where no member is named."""
     values = item.callspec.params.values() if hasattr(item, "callspec") else ()
     for mark in item.iter_markers("hard_case"):
         of = mark.kwargs.get("of", ())
@@ -94,7 +94,8 @@ def marked(item):
             possible = every_member(case)
             found = [member for member in possible if member in words] or [ONCE] * (ONCE in possible)
             if not found:
-                raise pytest.UsageError(f"{item.nodeid}: no case {case} in hard_cases.toml, or it names none of {', '.join(possible)}")
+                known = f"names none of {', '.join(possible)}" if possible else "is not in hard_cases.toml"
+                raise ValueError(f"{item.nodeid}: the case {case} {known}")
             yield from ((case, member) for member in found if (case, member) not in NOT_ASKED)
 
 
@@ -107,9 +108,9 @@ def pytest_configure(config):
     config.pluginmanager.register(Collected(config))
 
 
-def pytest_collection_modifyitems(items):
-    for item in items:
-        item.user_properties += [("hard_case", list(one)) for one in marked(item)]
+@pytest.hookimpl(tryfirst=True)  # also if a fixture fails, it is told whose cell that is
+def pytest_runtest_setup(item):
+    item.user_properties += [("hard_case", list(one)) for one in marked(item)]
 
 
 class Collected:
@@ -132,7 +133,8 @@ class Collected:
 
     def pytest_terminal_summary(self, terminalreporter):
         path, whole = self.config.getoption("--hard-cases"), self.config.args_source is not pytest.Config.ArgsSource.ARGS
-        if path is None and (not whole or self.config.option.keyword or self.config.option.markexpr):
+        option = self.config.option
+        if path is None and (not whole or option.keyword or option.markexpr or option.collectonly):
             return  # a part of the tests says nothing about holes
         text, summary = page(LIST["table"], self.cells)
         terminalreporter.write_line(summary)

@@ -85,8 +85,8 @@ def test_a_test_names_the_member_by_a_parameter_or_by_its_mark():
     assert list(marked(Item(mark("D1", of=["linear", "luding"])))) == [("D1", "linear"), ("D1", "luding")]
     assert list(marked(Item(mark("D11")))) == [("D11", "outcome")]
     assert list(marked(Item(mark("D3", of="linear")))) == []
-    for wrong in (mark("D99"), mark("D1", of="quadratic")):
-        with pytest.raises(pytest.UsageError, match="names none of"):
+    for wrong, words in ((mark("D99"), "D99 is not in hard_cases.toml"), (mark("D1", of="quadratic"), "D1 names none of linear, luding")):
+        with pytest.raises(ValueError, match=words):
             list(marked(Item(wrong)))
 
 
