@@ -60,9 +60,9 @@ def test_a_cell_is_compared_on_its_rings_and_over_their_width(cell, answer):
 
 @pytest.mark.hard_case("N9")
 def test_every_comparison_tells_the_error_of_its_flow(cell, answer):
-    """On a mesh twice as fine with a tenth of the rate floor; below 1 % by default."""
+    """On a mesh twice as fine with a tenth of the rate floor, which is as good as one that is four times as fine; below 1 % by default."""
     run, flow, comparison = cell
-    better = replace(flow.problem, elements=4 * (flow.r.size // 2) + 3, rate_floor=0.01 * flow.problem.floor).solve()
+    better = replace(flow.problem, elements=4 * (flow.r.size // 2) + 3, rate_floor=0.1 * flow.problem.floor).solve()
     found, exact = (one.ring_average(ring_edges(run.profiles)).v_phi for one in (flow, better))
     truth = relative_l2(found, exact, run.profiles.r.values)
     assert 0.7 * truth < comparison.l2_continuum < 0.01

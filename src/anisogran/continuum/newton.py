@@ -16,6 +16,7 @@ CHORD = 0.1  # contraction that is worth another step with an old factorisation
 BOUNDARY = 0.1  # share of its value that a positive quantity keeps in one step, at least
 ROUNDS, NEAR = 30, 0.01  # of Picard, at most; the change at which Newton takes over (0.05 failed in 6 of 240 cases, 0.02 in none)
 SLOW, WINDOW = 0.99, 25  # stagnation: the best correction falls by less than 1 % in so many iterations
+VANISHED = 1e-3  # of the outer pressure: below, it is what ends the search
 
 
 def longest(system, x, step):
@@ -90,8 +91,8 @@ def newton(system, x, history, limit, balanced=True):
                 return min((x, x + step), key=system.imbalance)  # rounding, no step helps any more
             share *= 0.5
             if share < SHORTEST:
-                why = f"the line search stalls at a correction of {size:.1e}; {lowest(system, x)}; more elements may help"
-                raise NotConverged(f"continuum: {why}", history, x)
+                why = f"the line search stalls at a correction of {size:.1e}"
+                raise NotConverged(f"continuum: {blamed(why, system, x, '; more elements may help')}", history, x)
         x, damping = trial, share
         while shrunk <= CHORD * size and longest(system, x, after) == 1.0 and len(history) < limit:
             x, size = x + after, shrunk
@@ -100,8 +101,8 @@ def newton(system, x, history, limit, balanced=True):
                 return x
             after = chord(system, factors, x)
             shrunk = system.size(after, x)
-    why = f"no solution after {limit} iterations, last correction {history[-1]:.1e}; {lowest(system, x)}"
-    raise NotConverged(f"continuum: {why}", history, x)
+    why = f"no solution after {limit} iterations, last correction {history[-1]:.1e}"
+    raise NotConverged(f"continuum: {blamed(why, system, x)}", history, x)
 
 
 def chord(system, factors, x):
@@ -115,13 +116,16 @@ def finished(system, x, size, balanced):
     return size <= TOLERANCE and (not balanced or system.imbalance(x) <= IMBALANCE)
 
 
-def lowest(system, x):
-    """The lowest pressure, in words for a message: where grains would have to be pulled, a flow of constant density does not exist."""
-    return f"the lowest pressure is {system.space.point(x).p.min():.1e} of the outer one"
+def blamed(why, system, x, hint=""):
+    """The words of a failure with its reason: a flow of constant density does not exist where grains would have to be pulled."""
+    lowest = system.space.point(x).p.min()
+    if lowest < VANISHED:
+        return f"the pressure falls to {lowest:.1e} of the outer one, and no grains can be pulled: {why}"
+    return f"{why}; the lowest pressure is {lowest:.1e} of the outer one{hint}"
 
 
 def refuse_stagnation(system, sizes, history, x):
     """Raises NotConverged if the last WINDOW corrections of a stage have brought no progress."""
     if len(sizes) > WINDOW and min(sizes[-WINDOW:]) > SLOW * min(sizes[:-WINDOW]):
-        why = f"stagnation, the corrections stay above {min(sizes):.1e} over {WINDOW} iterations; {lowest(system, x)}"
-        raise NotConverged(f"continuum: {why}", history, x)
+        why = f"stagnation, the corrections stay above {min(sizes):.1e} over {WINDOW} iterations"
+        raise NotConverged(f"continuum: {blamed(why, system, x)}", history, x)
