@@ -87,7 +87,7 @@ def test_an_unknown_room_is_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cli.main(["cost", "kitchen"])
     assert end.value.code == 2
-    assert "cost kitchen: must be one of dem, averaging, models, fitting, continuum, all" in capsys.readouterr().err
+    assert "cost kitchen: must be one of dem, averaging, models, fitting, continuum, whole, all" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
 from anisogran.outcome import InputError
 
-ROOMS = ("dem", "averaging", "models", "fitting", "continuum")
+ROOMS = ("dem", "averaging", "models", "fitting", "continuum", "whole")
 EVERY = "all"
 
 

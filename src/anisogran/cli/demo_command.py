@@ -9,7 +9,7 @@ import typer
 
 from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
-from anisogran.outcome import Interrupted
+from anisogran.outcome import InputError, Interrupted
 
 
 @app.command()
@@ -19,16 +19,22 @@ def demo(
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the numbers.")] = None,
     force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
     quick: Annotated[bool, typer.Option(help="Tiny sizes: every stage runs, the numbers are rough.")] = False,
+    accuracy: Annotated[
+        float | None,
+        typer.Option(help="Relative error that no answer shall exceed: chooses travel, grains, time steps, ... and checks itself."),
+    ] = None,
 ):
     """The main job: grains, averages, law, continuum, comparison; writes report.html and results.h5."""
     clock = time.perf_counter()
+    if quick and accuracy is not None:
+        raise InputError("demo: --quick and --accuracy do not go together; --accuracy chooses the sizes")
     if json_file is not None:
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
     folder = output_folder(out, "demo", force)
     try:
-        findings = run_and_report(seed, quick, folder, clock)
+        findings = run_and_report(seed, quick, accuracy, folder, clock)
     except BaseException as error:
         with contextlib.suppress(OSError):
             folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays
@@ -42,26 +48,35 @@ def demo(
     summarise(findings, folder)
 
 
-def run_and_report(seed, quick, folder, clock):
+def run_and_report(seed, quick, accuracy, folder, clock):
     """Runs the demo behind a progress bar and writes its report; returns the Findings."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+    from anisogran.demo import MainJob, described, promised, run_demo, shared_out, write_report
+
+    promise = None if accuracy is None else promised(accuracy, seed)
+    if promise is not None:
+        print(promise.text(), flush=True)
+        clock = time.perf_counter()  # the promise holds from here on
+        job = promise.job
+    else:
+        job = MainJob.small(seed) if quick else MainJob(seed)
     console = Console(stderr=True)
     columns = (TextColumn("{task.description:24}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console) as bars:
-        tasks = [bars.add_task(name, total=1.0) for name in ("ring shear cell", "biaxial box, shear tests")]
+        tasks = [bars.add_task(described(experiments), total=1.0) for experiments in shared_out(job.experiments())]
         rest = bars.add_task("law, continuum, report", total=1.0)
-
-        from anisogran.demo import DemoScene, run_demo, write_report
 
         def show(fractions):
             for task, fraction in zip(tasks, fractions, strict=True):
                 bars.update(task, completed=fraction)
 
-        findings = run_demo(DemoScene.small(seed) if quick else DemoScene(seed=seed), show)
+        findings = run_demo(job, show)
         show([1.0] * len(tasks))
         bars.update(rest, completed=0.5)
+        if promise is not None:
+            findings = promise.held_against(findings, time.perf_counter() - clock)
         findings.numbers["wall_s"] = time.perf_counter() - clock
         write_report(findings, folder)
         findings.numbers["wall_s"] = time.perf_counter() - clock
@@ -87,6 +102,8 @@ def summarise(findings, folder):
         f"L2 of v_phi      local {n['l2_local']:.3g}, nonlocal {n['l2_nonlocal']:.3g} (1 parameter fitted on this ring), "
         f"exponential {n['l2_exponential']:.3g} (2 parameters), error bars of the grains {n['l2_noise']:.2g}"
     )
+    if findings.kept is not None:
+        print(findings.kept.text())
     for reason in findings.reasons:
         print(f"warning: {reason}")
     print(f"{folder / 'report.html'} ({n['wall_s']:.0f} s)")

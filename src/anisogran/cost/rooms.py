@@ -9,10 +9,18 @@ from anisogran.cost.curve_fits import fitting_cost
 from anisogran.cost.grains import dem_cost
 from anisogran.cost.point_laws import models_cost
 from anisogran.cost.ring_flows import continuum_cost
+from anisogran.cost.whole_way import whole_way_cost
 from anisogran.outcome import RunFailed
 
-LONGEST_FIRST = ("dem", "models", "continuum", "fitting", "averaging")  # in quick mode with a cold compile cache
-ROOMS = {"dem": dem_cost, "averaging": averaging_cost, "models": models_cost, "fitting": fitting_cost, "continuum": continuum_cost}
+LONGEST_FIRST = ("whole", "dem", "models", "continuum", "fitting", "averaging")  # in quick mode with a cold compile cache
+ROOMS = {
+    "dem": dem_cost,
+    "averaging": averaging_cost,
+    "models": models_cost,
+    "fitting": fitting_cost,
+    "continuum": continuum_cost,
+    "whole": whole_way_cost,
+}
 
 
 def rows_of(room, quick=False):

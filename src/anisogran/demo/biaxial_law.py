@@ -37,9 +37,8 @@ def biaxial_law(run):
     series, scene = run.series, run.scene
     eps_D = series.eps_D.values
     fits = {name: fitting.relaxation(eps_D, series[name].values) for name in ("s_D", "anisotropy")}
-    window = max(3, len(eps_D) // 40)  # a running mean, so that the peak is not one lucky sample
-    smooth = np.convolve(series.s_D.values, np.ones(window) / window, mode="valid")
-    s_D_peak, s_D_final = float(smooth.max()), float(series.s_D.values[-len(eps_D) // 5 :].mean())
+    s_D_peak = fitting.peak(series.eps_zz.values, series.s_D.values).value
+    s_D_final = float(series.s_D.values[-len(eps_D) // 5 :].mean())
     k_t = 0.0 if scene.friction is None else scene.friction.stiffness
     moduli = {}
     for moment in ("start", "peak"):
@@ -59,6 +58,36 @@ def biaxial_law(run):
         element,
         remark,
     )
+
+
+def told_numbers(law):
+    """{name: value} of a BiaxialLaw, and {name: standard error} of those that were fitted."""
+    values = {
+        "s_D_peak": law.s_D_peak,
+        "s_D_final": law.s_D_final,
+        "friction_angle_peak_deg": float(np.degrees(law.angle_peak)),
+        "friction_angle_final_deg": float(np.degrees(law.angle_final)),
+    }
+    errors = {}
+    for name, limit, beta in (("s_D", "s_max", "beta_s"), ("anisotropy", "A_max", "beta_F")):
+        fit = law.fits[name]
+        values |= {limit: fit.values["s_max"], beta: fit.values["beta"]}
+        errors |= {limit: fit.errors["s_max"], beta: fit.errors["beta"]}
+    return values, errors
+
+
+def box_numbers(laws):
+    """The flat dict of what the boxes told, means over them; NAME_err are errors: of the fit to a single box, or of the mean of more."""
+    told = [told_numbers(law) for law in laws]
+    columns = {name: [values[name] for values, _ in told] for name in told[0][0]}
+    errors = told[0][1] if len(laws) == 1 else {name: float(fitting.mean_and_error(column)[1]) for name, column in columns.items()}
+    verdicts = [law.fits["s_D"].verdict for law in laws]
+    return {
+        **{name: float(np.mean(column)) for name, column in columns.items()},
+        **{f"{name}_err": error for name, error in errors.items()},
+        "verdict": "; ".join(dict.fromkeys(map(str, verdicts))),
+        "trustworthy": all(map(bool, verdicts)),
+    }
 
 
 def _slope(x, y):

@@ -1,10 +1,10 @@
-"""The particle runs of the demo: the ring in one process, the biaxial box and the homogeneous shear tests in another."""
+"""The particle runs of the demo in two processes: the ring, one or more biaxial boxes, and the homogeneous shear tests."""
 
 import multiprocessing
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 
-from anisogran.experiments import SimpleShear
 from anisogran.outcome import RunFailed
 from anisogran.runs.estimates import estimate
 
@@ -64,10 +64,33 @@ def run_grains(jobs, progress):
     return [future.result() for future in futures]
 
 
-def demo_jobs(scene):
-    """The experiments of the demo, as one list for each process: the ring; the biaxial box and the shear tests."""
-    shear_tests = [
-        SimpleShear(inertial_number=inertial, n=scene.shear_grains, strain=scene.shear_strain, seed=scene.seed)
-        for inertial in scene.inertial_numbers
-    ]
-    return [[scene.ring.model_copy(update={"seed": scene.seed})], [scene.biaxial.model_copy(update={"seed": scene.seed}), *shear_tests]]
+def shared_out(experiments, workers=2):
+    """The experiments in lists for so many processes, about equally long."""
+    jobs, work = [[] for _ in range(workers)], [0.0] * workers
+    for experiment in experiments:
+        least = work.index(min(work))
+        jobs[least].append(experiment)
+        work[least] += estimate(experiment).grain_steps
+    return jobs
+
+
+NAMES = {"ring_shear": "ring shear cell", "biaxial": "biaxial box", "simple_shear": "shear test"}
+
+
+def told(run):
+    """A run in a few words."""
+    scene = run.scene
+    details = {"biaxial": f", seed {scene.seed}", "simple_shear": f", I = {getattr(scene, 'inertial_number', None) or 0:g}"}
+    return NAMES[scene.kind] + details.get(scene.kind, "")
+
+
+def described(job):
+    """A job in a few words, such as "ring shear cell, 2 biaxial boxes"."""
+    counts = Counter(NAMES[experiment.kind] for experiment in job)
+    return ", ".join(name if count == 1 else f"{count} {name}{'es' if name.endswith('x') else 's'}" for name, count in counts.items())
+
+
+def of_kind(runs, kind):
+    """Those of a kind, in the order of their seeds and inertial numbers."""
+    found = [run for run in runs if run.scene.kind == kind]
+    return sorted(found, key=lambda run: (run.scene.seed, getattr(run.scene, "inertial_number", 0.0)))

@@ -7,6 +7,7 @@ import numpy as np
 
 import anisogran
 from anisogran import plots
+from anisogran.cost.main_job import MainJob
 from anisogran.demo.page import heading, number, page, paragraph, picture, table
 from anisogran.files import json_text, save_results, write_text
 from anisogran.glossary import CONVENTIONS
@@ -15,7 +16,7 @@ from anisogran.glossary import CONVENTIONS
 def write_report(findings, folder):
     """Writes report.html and results.h5 into the folder, each replaced only when it is complete."""
     folder = Path(folder)
-    parts = [*summary(findings), *grains(findings), *law(findings), *ring(findings), *provenance(findings)]
+    parts = [*summary(findings), *accuracy(findings), *grains(findings), *law(findings), *ring(findings), *provenance(findings)]
     write_text(folder / "report.html", page("anisogran demo: from grains to the continuum and back", parts))
     save_results(folder / "results.h5", datasets(findings), {"numbers": json_text(findings.numbers), "seed": findings.scene.seed})
 
@@ -50,6 +51,27 @@ def summary(findings):
     )  # fmt: skip
 
 
+def accuracy(findings):
+    """What the demo promised and found; nothing if no accuracy was asked for."""
+    kept = findings.kept
+    if kept is None:
+        return
+    promise, made = kept.promise, kept.promise.budget.made
+    yield heading("Accuracy")
+    yield paragraph(
+        f"Asked: {promise.accuracy:g} in every answer. The knobs were chosen by the error budget measured on {made['date']} "
+        f"({made['machine']}). Expected is the error of this demo and that of the best answer together; a profile counts in relative L2."
+    )
+    rows = [[name, kept.expected(name), found] for name, found in kept.found.items()]
+    yield table(["answer", "expected to differ from the best one by", "found"], [*rows, ["seconds", promise.seconds, kept.seconds]])
+    usual = MainJob().knobs(promise.choice)
+    yield table(["knob", "chosen", "default"], [[name, float(value), float(usual[name])] for name, value in promise.choice.items()])
+    parts = [
+        [name, *(f"{source.cause} {error:.2g}" for source, error in promise.budget.parts(name, promise.choice)[:3])] for name in kept.found
+    ]
+    yield table(["answer", "largest cause of error", "second", "third"], parts)
+
+
 def grains(findings):
     box, cell = findings.biaxial.snapshots, findings.ring.snapshots
     series = findings.biaxial.series
@@ -73,7 +95,8 @@ def law(findings):
     yield heading("Constitutive law")
     yield picture(
         plots.biaxial_curves(findings.biaxial.series, found.fits, found.element),
-        f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.n}, friction {scene.friction.mu:g}. Exponential laws "
+        f"Biaxial compression at p = {scene.pressure:g} N/m, N = {scene.n}, friction {scene.friction.mu:g}{the_first_of(findings.boxes)}. "
+        "Exponential laws "
         "s = s_max - (s_max - s_0) exp(-beta eps_D), fitted up to the peak; the dashed line marks where the fit ends. "
         f"Scalar law with E and B of the response and A = E a_2/2 of the fabric{found.element_remark}; its critical state is isochoric, "
         "so it cannot follow the dilation at the peak.",
@@ -104,6 +127,11 @@ def law(findings):
         f"Homogeneous simple shear in a periodic cell, {findings.shear.sizes['test']} runs: the friction law that the continuum gets. "
         f"Fit: {findings.friction.verdict}.",
     )
+
+
+def the_first_of(boxes):
+    """Words on the box that is shown, if there are more; the table at the top has means over all."""
+    return "" if len(boxes) == 1 else f", the first of {len(boxes)} boxes"
 
 
 def parameters(law):
