@@ -102,11 +102,12 @@ def test_other_local_laws_against_quadrature(law):
 @pytest.mark.parametrize("law", LOCAL, ids=name)
 def test_a_hundredth_of_the_radius_inside(law, answer):
     """The stress ratio at the inner ring, from the speed that it makes; a smaller ring than 1e-6 R_o is refused."""
-    flow = RingFlow(0.3, 30.0, law, 0.02, 1.0, rate_floor=1e-6, elements=256).solve()
+    flow = RingFlow(0.3, 30.0, law, 0.02, 1.0, rate_floor=1e-5, elements=256).solve()
     ratio = flow.stress_ratio_wall
     speeds = [quadrature_speed(0.3, one, law, 0.3, 30.0) for one in (ratio, 1.001 * ratio)]
     error = 0.001 * abs(speeds[0] - 0.02) / (speeds[1] - speeds[0])  # to first order
-    assert error < 5e-5  # the edge of the layer, h^2: measured 1.7e-5; below 1e-7 for the laws that creep or bend
+    # measured 1.7e-5 for the linear law, h^2 at the sharp edge of its layer; 3e-8 and 1e-8 for those that tend to mu_2, whatever the speed
+    assert error < (5e-5 if law.kind == "local_mu_i" else 1e-7)
     answer.computed(error, "stress ratio at R_i = R_o/100")
     with pytest.raises(InputError, match=r"RingFlow: r_inner = 2e-05 must be at least 3e-05 m") as caught:
         RingFlow(2e-5, 30.0, law, 0.02, 1.0)
