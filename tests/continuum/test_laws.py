@@ -130,6 +130,16 @@ def test_slow_and_fast_rings_do_not_depend_on_the_rate_floor_or_say_so(law, wall
     assert (change < 0.02) == ("rate floor" not in str(coarse.status)), change
 
 
+@pytest.mark.parametrize("law", LOCAL, ids=name)
+@pytest.mark.parametrize(
+    ("r_inner", "r_outer", "wall_speed", "elements"), [(0.3, 30.0, 1e-5, 65), (13.0, 33.0, 0.3, 65), (13.0, 33.0, 1e-3, 256)]
+)
+def test_low_floors_on_fine_meshes_are_reached(law, r_inner, r_outer, wall_speed, elements):
+    """Where a floor that falls by a tenth at a time ends in a line search that stalls."""
+    flow = RingFlow(r_inner, r_outer, law, wall_speed, 1.0, elements=elements, rate_floor=1e-6).solve()
+    assert flow.torques.difference < 1e-8
+
+
 @pytest.mark.hard_case("M2")
 @pytest.mark.parametrize("law", CASES, ids=name)
 def test_only_a_linear_law_is_flagged_above_its_range(law, answer):
