@@ -110,6 +110,9 @@ def test_iterations_and_time_hardly_grow_with_the_mesh(law, answer):
     assert iterations[1] < 2 * iterations[0]
     assert seconds[1] < 2 * 16 * seconds[0]  # linear; measured 3 to 5, most is what Python takes for each iteration
     answer.named(f"{iterations[0]} iterations on 32 elements, {iterations[1]} on 512, in {seconds[1] / seconds[0]:.1f} times the seconds")
+    with pytest.raises(InputError, match="RingFlow: elements = 20001 is above 20000 in all") as caught:
+        RingFlow(13.0, 33.0, law, 1e-3, 1.0, elements=20001).solve()
+    answer.refused(caught)
 
 
 @pytest.mark.hard_case("N6")
