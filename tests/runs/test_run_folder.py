@@ -186,7 +186,7 @@ def test_a_signal_saves_within_half_a_second(tmp_path, answer):
         clock = time.time()
         child.send_signal(number)
         _, err = child.communicate(timeout=60)
-        assert child.returncode == 130
+        assert child.returncode == 130, err
         assert re.search(rf"anisogran: interrupted in stage shear, \d+% done; {folder} holds the run", err)
         state = state_of(folder)
         assert state["state"] == "interrupted"
