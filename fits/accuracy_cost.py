@@ -31,7 +31,7 @@ SHOWN = {  # the beginnings of the knobs that are shown, and their names in the 
     },
     "models": {
         "steps to a turn, midpoint, order {}: tensorial": "steps, midpoint",
-        "steps to a turn, explicit, order {}: tensorial": "steps, explicit",
+        "integrator at 200 steps to a turn: tensorial": "integrator at 200 steps",
         "tolerance of rk45": "tolerance, Runge-Kutta",
     },
     "fitting": {
@@ -79,7 +79,7 @@ def cell(row):
     """Value: error, seconds; bold if it is the default."""
     value = row["value"] if isinstance(row["value"], str) else f"{row['value']:g}"
     seconds = row["seconds"]
-    time = f"{seconds:.2g} s" if seconds >= 1 else f"{1e3 * seconds:.2g} ms"
+    time = f"{seconds:.2g} s" if seconds >= 0.0995 else f"{1e3 * seconds:.2g} ms"
     text = f"{value}: {short(row['error'])}, {time}"
     return f"**{text}**" if row["default"] else text
 

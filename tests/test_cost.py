@@ -230,18 +230,18 @@ def test_grains_converge_to_closed_forms_with_the_time_step(grain_rows):
     assert errors[-1]["error"] < 1e-4
 
 
-def test_steady_flow_errs_less_with_more_grains_slower_and_stiffer(grain_rows):
-    grains = block(grain_rows, "grains: mu at I 0.1")
-    assert grains[0]["error"] > 1.5 * grains[-1]["error"]  # one over the root of 8, from the scatter alone
+def test_steady_flow_is_denser_slower_and_softer(grain_rows):
+    """One seed of 100 grains over 0.6 of strain knows the area fraction to 0.5 %, and mu too badly to be compared."""
     one, two = block(grain_rows, "seeds of 50 grains")
-    assert two["error"] < one["error"]
+    assert two["error"] < one["error"]  # the mean square of means is below that of the values
     assert two["seconds"] == pytest.approx(2 * one["seconds"])
-    fast, slower, slow = block(grain_rows, "inertial number: mu")
-    assert fast["error"] > slower["error"] > slow["error"]
-    assert fast["error"] == pytest.approx(0.1 / 0.26, abs=0.2)  # mu = 0.26 + I about; scatter of 100 grains
+    fast, _, slow = block(grain_rows, "inertial number: phi")
+    assert fast["error"] == pytest.approx(0.04, abs=0.015)  # of the full room
+    assert slow["error"] < 0.015
     assert fast["seconds"] < slow["seconds"]
-    phi = block(grain_rows, "p/k: phi")
-    assert phi[0]["error"] > phi[-1]["error"]
+    soft, _, stiff = block(grain_rows, "p/k: phi")
+    assert soft["error"] == pytest.approx(0.025, abs=0.02)  # likewise
+    assert soft["error"] > stiff["error"]
 
 
 def test_each_effect_has_its_price_beside_the_same_scene_without_it(grain_rows):

@@ -1,6 +1,7 @@
 """Every script in data_generation/ and fits/ runs in its small version and gives numbers of the right size."""
 
 import importlib.util
+import json
 import os
 import re
 import subprocess
@@ -145,11 +146,45 @@ def test_contact_law(tmp_path, capsys):
 
 
 def test_accuracy_cost(tmp_path, capsys):
-    tables = script(ROOT / "data_generation" / "accuracy_cost.py").main([str(tmp_path / "cost.h5"), "--quick"])
-    steps, elements = tables["steps_per_collision"], tables["elements"]
-    assert steps[10][0] / steps[20][0] == pytest.approx(2.0, abs=0.5)  # first order with a dashpot
-    assert elements[16][0] / elements[32][0] == pytest.approx(8.0, abs=3.0)  # third order
-    assert all(seconds > 0 for table in tables.values() for _, seconds in table.values())
+    """One room anew in a file, the others are kept; tables and picture of what is there."""
+    path, picture, readme = (tmp_path / name for name in ("cost.json", "cost.png", "README.md"))
+    make, show = script(ROOT / "data_generation" / "accuracy_cost.py"), script(ROOT / "fits" / "accuracy_cost.py")
+    shipped = json.loads(show.DATA.read_text())
+    shipped["about"]["processor"] = make.processor()
+    path.write_text(json.dumps(shipped))
+    made = make.main([str(path), "averaging", "--quick"])
+    written = json.loads(path.read_text())
+    assert written["about"]["quick"]
+    assert written["averaging"] == made["averaging"] != shipped["averaging"]
+    assert written["models"] == shipped["models"]
+    readme.write_text(f"before\n{show.BEGIN}\nold\n{show.END}\nafter\n")
+    text = show.main([str(path), str(picture), "--readme", str(readme)])
+    assert readme.read_text() == f"before\n{show.BEGIN}\n{text}\n{show.END}\nafter\n"
+    assert "| snapshots of a run | scatter of s_D | 1: " in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+    shipped["about"]["processor"] = "abacus"
+    path.write_text(json.dumps(shipped))
+    with pytest.raises(ag.InputError, match="was made on abacus"):
+        make.main([str(path), "averaging", "--quick"])
+    with pytest.raises(ag.InputError, match="room = kitchen: must be one of dem, "):
+        make.main([str(path), "kitchen"])
+    readme.write_text("no marks")
+    with pytest.raises(ag.InputError, match="has no lines"):
+        show.put_into(str(readme), "text")
+
+
+def test_the_tables_of_the_readme_are_those_of_the_shipped_data():
+    """Of a full run, with the defaults of today."""
+    show = script(ROOT / "fits" / "accuracy_cost.py")
+    data = json.loads(show.DATA.read_text())
+    assert not data["about"]["quick"]
+    assert f"{show.BEGIN}\n{show.text_of(data)}\n{show.END}" in (ROOT / "README.md").read_text()
+    assert "(fits/accuracy_cost.png)" in (ROOT / "README.md").read_text()
+    assert (ROOT / "fits" / "accuracy_cost.png").stat().st_size < 150_000
+    [floor] = [row["value"] for row in show.shown("continuum", data["continuum"])["rate floor, local"] if row["default"]]
+    assert floor == ag.continuum.LocalMuI.floor
+    [grains] = [row["value"] for row in show.shown("dem", data["dem"])["grains: mu"] if row["default"]]
+    assert grains == ag.SimpleShear().n
 
 
 def test_code_of_the_readme_runs(tmp_path, monkeypatch):

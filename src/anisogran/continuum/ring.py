@@ -73,7 +73,7 @@ class RingFlow:
     outer_wall: CoulombSlip | NavierSlip | None = key("1", "slip at the outer ring; absent: rough", None)
     eccentricity: float = key("m", "offset of the axes of the rings, below the gap; needs dimension = 2", 0.0, at_least=0.0)
     elements: int | None = key("1", "elements along the radius; left out: the law's own number", None, at_least=2, example=64)
-    elements_around: int = key("1", "elements around in 2D", 48, at_least=4)
+    elements_around: int = key("1", "elements around in 2D", 24, at_least=4)
     rate_floor: float | None = key("1", "regularisation in speed/gap; left out: the law's own", None, above=0.0, at_most=1.0, example=1e-8)
     max_iterations: int = key("1", "of all stages together", 200, at_least=1)
 

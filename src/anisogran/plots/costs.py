@@ -55,12 +55,20 @@ def rooms_figure(curves):
             for row in block:
                 if row["default"]:
                     ax.loglog(row["seconds"], row["error"], "o", ms=10, mfc="none", mec=colour, mew=1.5)
-        ax.set(title=room, xlabel="processor seconds", ylabel="relative error")
+        every = [row for block in knobs.values() for row in block]
+        seconds, errors = [row["seconds"] for row in every], [row["error"] for row in every]
+        ax.set(title=room, xlabel="processor seconds", ylabel="relative error", xlim=half_decades(seconds), ylim=half_decades(errors))
         ax.grid(alpha=0.25)
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_minor_locator(NullLocator())
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8, frameon=False, columnspacing=1.0, handlelength=1.5)
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=8, frameon=False, columnspacing=1.0, handlelength=1.5)
     return fig
+
+
+def half_decades(values):
+    """The half decades around the values, with room for a ring about the outermost."""
+    low, high = math.floor(2 * math.log10(0.8 * min(values))), math.ceil(2 * math.log10(1.25 * max(values)))
+    return 10.0 ** (low / 2), 10.0 ** (high / 2)
 
 
 def decades(values):
