@@ -165,7 +165,7 @@ def forces_on(flow):
         ({"eccentricity": 1.0}, "RingFlow: eccentricity = 1 m is not axisymmetric and needs dimension = 2"),
         ({"eccentricity": 1.0, "dimension": 2, "inner_wall": NavierSlip(1.0)}, "RingFlow: inner_wall must be rough"),
         ({"dimension": 2, "elements_around": 2}, "RingFlow: elements_around = 2 must be at least 4"),
-        ({"dimension": 2, "elements": 600}, "RingFlow: elements = 600 is above 20000 in all"),
+        ({"dimension": 2, "elements": 900}, "RingFlow: elements = 900 is above 20000 in all"),
     ],
 )
 def test_refused_input(change, message):

@@ -9,21 +9,23 @@ from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
 from anisogran.outcome import InputError
 
-ROOMS = ("dem", "averaging", "models", "fitting", "continuum", "whole")
+MINUTES = {"dem": 7, "averaging": 1, "models": 2, "fitting": 8, "continuum": 1, "whole": 60}  # of one core, kernels compiled anew
+ROOMS = tuple(MINUTES)
 EVERY = "all"
 
 
 @app.command()
 def cost(
-    room: Annotated[str, typer.Argument(help=f"{', '.join(ROOMS)} or {EVERY}.")],
-    quick: Annotated[bool, typer.Option(help="Small samples: every row is there, the numbers are rough.")] = False,
+    room: Annotated[str, typer.Argument(help=f"{', '.join(f'{room} ({minutes} min)' for room, minutes in MINUTES.items())} or {EVERY}.")],
+    quick: Annotated[bool, typer.Option(help="Small samples, rough numbers, every row; all in 3 min on two cores.")] = False,
     force: Annotated[bool, typer.Option(help="Use a folder that is not empty.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder for the figures, cost-ROOM.png.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="File for the rows, one key a room.")] = None,
 ):
     """Error against seconds of the processor for each knob of a room, the default marked with a star, and the price of fields and effects.
 
-    `all` goes through the rooms one after the other, with --quick two at a time.
+    Minutes are those of one core, with all kernels to be compiled. `all` goes through the rooms one after the other, with --quick two at
+    a time.
     """
     if room not in (*ROOMS, EVERY):
         raise InputError(f"cost {room}: must be one of {', '.join((*ROOMS, EVERY))}")

@@ -9,7 +9,6 @@ import json
 import math
 from dataclasses import dataclass, field, fields
 from importlib.resources import files
-from operator import attrgetter
 
 import numpy as np
 
@@ -152,7 +151,7 @@ class Budget:
 
     def as_dict(self):
         """Numbers, words and lists only, for a file."""
-        return vars(self) | {"sources": [vars(source) for source in sorted(self.sources, key=attrgetter("answer"))]}
+        return vars(self) | {"sources": [vars(source) for source in self.sources]}
 
 
 def budget_from(content):
