@@ -12,7 +12,7 @@ from pathlib import Path
 
 from anisogran import sweep
 from anisogran.cost import table_text
-from anisogran.cost.cases import cases_of
+from anisogran.cost.cases import cases_of, done_cases
 from anisogran.cost.main_job import MainJob
 from anisogran.cost.whole_way import budget_of, measured_job, small_job, sweeps_of, whole_way_rows
 from anisogran.files import check_writable, write_json
@@ -27,9 +27,14 @@ def main(arguments=None):
     check_writable(options.file)
     job, folder = small_job() if options.quick else MainJob(), Path(options.file).with_suffix("")
     sweeps = sweeps_of(measured_job(job), options.quick)
+    cases = {}
     for name, (scene, vary) in sweeps.items():
-        sweep(scene, vary, folder / name, workers=options.workers)
-    budget, curves = budget_of({name: cases_of(folder / name) for name in sweeps}, measured_job(job))
+        if options.quick:
+            cases[name] = done_cases(scene, vary)
+        else:
+            sweep(scene, vary, folder / name, workers=options.workers)
+            cases[name] = cases_of(folder / name)
+    budget, curves = budget_of(cases, measured_job(job))
     rows = whole_way_rows(budget, curves, job)
     print(table_text(rows))
     write_json(options.file, rounded(budget.as_dict() | {"rows": rows}))

@@ -1,7 +1,8 @@
 """What accuracy costs in time: `python fits/accuracy_cost.py [accuracy_cost.json [FIGURE.png]] [--readme README.md]`.
 
-Prints small tables in markdown of the knobs that a user turns, the default bold; with --readme they replace what stands between the two
-marks in that file. data_generation/accuracy_cost.py makes the data; those of the full run are in fits/data/accuracy_cost.json.
+Prints small tables in markdown: the error budget of the whole way, as it comes with the package, and of each room the knobs that a user
+turns, the default bold. With --readme they replace what stands between the two marks in that file. data_generation/accuracy_cost.py makes
+the data of the rooms; those of the full run are in fits/data/accuracy_cost.json.
 """
 
 import argparse
@@ -10,6 +11,7 @@ from itertools import groupby
 from pathlib import Path
 
 from anisogran import plots
+from anisogran.cost import budget_tables, measured_budget
 from anisogran.files import write_text
 from anisogran.outcome import InputError
 
@@ -111,9 +113,10 @@ def prices(rows):
 
 
 def text_of(data):
-    """The tables of all rooms, with date and machine."""
+    """The tables of the whole way, and those of all rooms, with date and machine."""
     about, rooms = data["about"], {room: rows for room, rows in data.items() if room != "about"}
-    parts = [f"{about['date']}, seconds of one core of {about['processor']} ({about['cores']} cores), the default bold:"]
+    parts = [budget_tables(measured_budget())]
+    parts.append(f"{about['date']}, seconds of one core of {about['processor']} ({about['cores']} cores), the default bold:")
     for room, rows in rooms.items():
         parts.append(table(room, rows))
         told = ", ".join(f"{effect} {ratio:.2f}" for effect, ratio in prices(rows).items())

@@ -1,6 +1,5 @@
 """The scripts of the ring shear cell print and draw, from the data in fits/data/, what the README says of them. No grain is simulated."""
 
-import importlib.util
 import shutil
 from pathlib import Path
 
@@ -9,16 +8,10 @@ import pytest
 
 import anisogran as ag
 from anisogran.files import save_results
+from scripts import fits_script
 
 FITS = Path(__file__).parents[1] / "fits"
 DATA = FITS / "data"
-
-
-def script(name):
-    spec = importlib.util.spec_from_file_location(name, FITS / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture
@@ -29,7 +22,7 @@ def figure(tmp_path):
 
 
 def test_friction_law(capsys):
-    fit = script("friction_law").main(DATA / "ring_friction_law.h5")
+    fit = fits_script("friction_law").main(DATA / "ring_friction_law.h5")
     assert fit.verdict
     assert fit.values["mu_s"] == pytest.approx(0.281, abs=1e-3)
     assert fit.values["b"] == pytest.approx(1.13, abs=0.01)
@@ -39,7 +32,7 @@ def test_friction_law(capsys):
 
 
 def test_averages_of_the_ring(figure):
-    found = script("ring_profiles").main(figure=figure)
+    found = fits_script("ring_profiles").main(figure=figure)
     for name in ("gap of 8 d", "gap of 20 d"):
         one = found[name]
         assert one["torque_spread"] < 3e-3  # on circles the torque is the same
@@ -62,7 +55,7 @@ def test_predictions_beside_their_base_lines(figure, tmp_path, capsys):
             kept[f"{cell}/{part}"] = study[f"{cell}/{part}"].to_dataset().isel(seed=slice(1))
     save_results(tmp_path / "ring_reference.h5", kept, {})
     shutil.copy(DATA / "ring_friction_law.h5", tmp_path)
-    parameters, predicted = script("ring_comparison").main(tmp_path, figure)
+    parameters, predicted = fits_script("ring_comparison").main(tmp_path, figure)
     told = capsys.readouterr().out
     assert parameters.mu_s == pytest.approx(0.281, abs=0.001)
     assert 0.7 < parameters.amplitude < 0.95
@@ -76,11 +69,11 @@ def test_predictions_beside_their_base_lines(figure, tmp_path, capsys):
 
 
 def test_the_cell_of_the_lecture_is_not_steady(figure):
-    pressures = script("ring_lecture").main(figure=figure)
+    pressures = fits_script("ring_lecture").main(figure=figure)
     for _, pressure in pressures.values():
         assert pressure.max() > 3 * pressure.min()
 
 
 def test_pictures_of_the_lectures_cell(figure):
-    snapshot = script("ring_pictures").main(DATA / "ring_lecture.h5", figure, "lecture")
+    snapshot = fits_script("ring_pictures").main(DATA / "ring_lecture.h5", figure, "lecture")
     assert np.count_nonzero(snapshot.free) == 2939

@@ -1,6 +1,5 @@
 """Every script in data_generation/ and fits/ runs in its small version and gives numbers of the right size."""
 
-import importlib.util
 import json
 import os
 import re
@@ -12,15 +11,9 @@ import numpy as np
 import pytest
 
 import anisogran as ag
+from scripts import script
 
 ROOT = Path(__file__).parents[1]
-
-
-def script(path):
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_biaxial_evolution(tmp_path, capsys):
@@ -230,6 +223,7 @@ def test_every_script_is_tested():
         Path(__file__),
         Path(__file__).with_name("test_lecture_figures.py"),
         Path(__file__).with_name("test_ring_figures.py"),
+        Path(__file__).with_name("test_whole_way.py"),
         Path(__file__).parent / "fitting" / "test_lecture_cohesion.py",
     )
     here = "".join(path.read_text() for path in tests)

@@ -1,19 +1,27 @@
 """The room of the whole way: a small job through all its sweeps to budget and rows, by the command; and the errors of made-up cases."""
 
+import json
 import math
 from types import SimpleNamespace
 
 import pytest
 
 from anisogran.cost.box_errors import at_least
+from anisogran.cost.budget import budget_from
 from anisogran.cost.cases import Case, by_value, cases_of, done_cases, left_out, turned, work_of
 from anisogran.cost.main_job import MainJob
 from anisogran.cost.whole_way import sweeps_of
 from anisogran.experiments import SimpleShear
 from anisogran.sweeps import sweep
-from test_cost import block, priced
+from scripts import ROOT, script
 
 ANSWERS = ("s_max", "phi", "v_phi of the grains", "v_phi of the continuum", "mu_s", "b")
+
+
+def block(rows, beginning):
+    found = [row for row in rows if row["knob"].startswith(beginning)]
+    assert found, beginning
+    return found
 
 
 def case(seed, steps, work=100.0, **more):
@@ -74,7 +82,13 @@ def test_sweeps_turn_one_knob_at_a_time():
 
 @pytest.fixture(scope="module")
 def way_rows(tmp_path_factory):
-    return priced("whole", tmp_path_factory)
+    """Those of data_generation/whole_way.py --quick, whose file the demo could choose by."""
+    path = tmp_path_factory.mktemp("way") / "whole_way.json"
+    budget = script(ROOT / "data_generation" / "whole_way.py").main([str(path), "--quick"])
+    content = json.loads(path.read_text())
+    assert budget_from(content).names == budget.names == ANSWERS
+    assert set(content["made"]) >= {"date", "machine", "numba", "seconds_per_grain_step", "grain_steps_per_second"}
+    return content["rows"]
 
 
 def test_the_budget_of_each_answer_adds_up(way_rows):
