@@ -26,7 +26,7 @@ def grain_velocity(run):
     return run.profiles.v_phi.values[near(run.profiles)] / run.scene.wall_speed
 
 
-def continuum_velocity(run, flow):
-    """v_phi of a Flow at DEPTHS from the inner ring of the run, over the wall speed."""
+def continuum_velocity(run, flow, depths=DEPTHS):
+    """v_phi of a Flow at depths from the inner ring of the run, over the wall speed."""
     scene = run.scene
-    return np.asarray(flow.at(scene.inner_radius + scene.mean_diameter * DEPTHS).v_phi) / scene.wall_speed
+    return np.asarray(flow.at(scene.inner_radius + scene.mean_diameter * depths).v_phi) / scene.wall_speed

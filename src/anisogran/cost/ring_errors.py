@@ -33,8 +33,9 @@ class Rings:
         self.law = np.mean(friction_laws(sweeps["shear"]), axis=0)
         self.scene = sweeps["ring"][0].scene
         self.rings = min(int(near(run.profiles).sum()) for run in self.runs.values())
+        self.depths = DEPTHS[DEPTHS <= self.rings]
         inner = self.scene.inner_radius / self.scene.mean_diameter
-        self.weights = {GRAINS: inner + 0.5 + np.arange(self.rings), CONTINUUM: inner + DEPTHS}
+        self.weights = {GRAINS: inner + 0.5 + np.arange(self.rings), CONTINUUM: inner + self.depths}
 
     def usual(self):
         """The runs with the usual knobs."""
@@ -46,7 +47,11 @@ class Rings:
 
     def answer(self, name, run):
         """An answer of a run, (points,)."""
-        return grain_velocity(run)[: self.rings] if name == GRAINS else continuum_velocity(run, self.flow(run))
+        return grain_velocity(run)[: self.rings] if name == GRAINS else self.velocity(run, self.flow(run))
+
+    def velocity(self, run, flow):
+        """v_phi of the continuum, (points,)."""
+        return continuum_velocity(run, flow, self.depths)
 
 
 def friction_laws(tests):
@@ -138,7 +143,7 @@ def shear_errors(rings, sweeps):
     told = {
         "mu_s": lambda law: law[0],
         "b": lambda law: law[1],
-        CONTINUUM: lambda law: continuum_velocity(run, rings.flow(run, law)),
+        CONTINUUM: lambda law: rings.velocity(run, rings.flow(run, law)),
     }
     for answer, value in told.items():
         weights = rings.weights.get(answer, 1.0)
@@ -169,8 +174,8 @@ def mesh_errors(rings):
         ("mesh", {"elements": 2 * problem.elements_along()}, ("elements",), MESH),
         ("rate floor", {"rate_floor": 0.1 * problem.floor}, (), 0.0),
     ):
-        better = continuum_velocity(run, replace(problem, **changes).solve())
-        error = size(continuum_velocity(run, flow) - better, better, weights)
+        better = rings.velocity(run, replace(problem, **changes).solve())
+        error = size(rings.velocity(run, flow) - better, better, weights)
         found.append((Source(CONTINUUM, cause, error, 0.0, knobs, order), None))
     return found
 
