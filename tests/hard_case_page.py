@@ -20,7 +20,7 @@ import pytest
 
 LIST = tomllib.loads((Path(__file__).parent / "hard_cases.toml").read_text())
 NOT_ASKED = {(case, member): reason for case, reasons in LIST["not_asked"].items() for member, reason in reasons.items()}
-COMMAND = "pytest -m hard_case --hard-cases tests/HARD_CASES.md"
+COMMAND = "pytest -m hard_case --hard-cases=tests/HARD_CASES.md"
 MOST, LONGEST = 2, 110  # messages in a cell, and their characters
 NUMBER = re.compile(r"\d[\d.e+-]*")
 HOLE, FAILED = "**hole**", "**FAILED**"
