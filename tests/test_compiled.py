@@ -1,5 +1,6 @@
 """The cache of compiled kernels: keyed by the sources, and never a stale one."""
 
+import os
 import subprocess
 import sys
 
@@ -21,6 +22,19 @@ def test_folder_is_keyed_by_the_sources(tmp_path, monkeypatch):
     (copied / "rows.py").write_text("# another source")
     monkeypatch.setattr(compiled, "PACKAGE", tmp_path)
     assert fresh("dem") != before
+
+
+@pytest.mark.hard_case("S8")
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no owners of files")
+def test_the_cache_is_private_and_that_of_another_user_is_not_run(tmp_path, monkeypatch, answer):
+    """Its files are pickles."""
+    monkeypatch.setattr(compiled, "cache_folder", lambda room: str(tmp_path / room))
+    assert compiled.cache_is_usable.__wrapped__("dem")
+    assert (tmp_path / "dem").stat().st_mode & 0o777 == 0o700
+    monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
+    with pytest.warns(UserWarning, match="dem belongs to another user: kernels are compiled anew in every process") as caught:
+        assert not compiled.cache_is_usable.__wrapped__("dem")
+    answer.named(f"warned: {caught[0].message}")
 
 
 @pytest.mark.hard_case("F8")

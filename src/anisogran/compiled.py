@@ -39,26 +39,30 @@ def cache_folder(room):
 
 
 @cache
-def cache_is_writable(room):
-    """Whether the cache folder can be made and written; if not, warns once that every process will compile anew.
+def cache_is_usable(room):
+    """Whether the cache folder is ours and can be written; if not, warns once that every process will compile anew.
 
-    Numba would then fall back to a folder that knows nothing of the sources of other files, and run stale kernels.
+    Numba would then fall back to a folder that knows nothing of the sources of other files, and run stale kernels. What lies in the folder
+    is unpickled and run, so it is made for its owner alone, and one of another user is left alone.
     """
-    folder = cache_folder(room)
+    folder = Path(cache_folder(room))
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return True
+            ours = not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()
+        trouble = "" if ours else "belongs to another user"
     except OSError as error:
-        warnings.warn(f"{folder} cannot be written ({error.strerror}): kernels are compiled anew in every process", stacklevel=2)
-        return False
+        trouble = f"cannot be written ({error.strerror})"
+    if trouble:
+        warnings.warn(f"{folder} {trouble}: kernels are compiled anew in every process", stacklevel=2)
+    return not trouble
 
 
 def kernel(function, **options):
     """The function, compiled at its first call and cached on disk for the next process."""
     options = {**OPTIONS, "no_cfunc_wrapper": True, **options}
     room = Path(function.__code__.co_filename).relative_to(PACKAGE).parts[0]
-    if not cache_is_writable(room):
+    if not cache_is_usable(room):
         return njit(**options)(function)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(room)  # read by Numba while it decorates; the user's own kernels keep their setting
