@@ -33,7 +33,7 @@ class Rings:
         self.law = np.mean(friction_laws(sweeps["shear"]), axis=0)
         self.scene = sweeps["ring"][0].scene
         self.rings = min(int(near(run.profiles).sum()) for run in self.runs.values())
-        self.depths = DEPTHS[DEPTHS <= self.rings]
+        self.depths = DEPTHS[self.rings >= DEPTHS]
         inner = self.scene.inner_radius / self.scene.mean_diameter
         self.weights = {GRAINS: inner + 0.5 + np.arange(self.rings), CONTINUUM: inner + self.depths}
 
