@@ -2,7 +2,7 @@
 
 from anisogran.cost.averages import averaging_cost
 from anisogran.cost.budget import measured_budget
-from anisogran.cost.budget_tables import budget_tables
+from anisogran.cost.budget_tables import budget_tables, choice_rows
 from anisogran.cost.curve_fits import fitting_cost
 from anisogran.cost.grains import dem_cost
 from anisogran.cost.point_laws import models_cost
@@ -12,6 +12,6 @@ from anisogran.cost.tables import table_text
 from anisogran.cost.whole_way import whole_way_cost
 
 __all__ = [
-    "ROOMS", "all_rows", "averaging_cost", "budget_tables", "continuum_cost", "dem_cost", "fitting_cost", "measured_budget",
+    "ROOMS", "all_rows", "averaging_cost", "budget_tables", "choice_rows", "continuum_cost", "dem_cost", "fitting_cost", "measured_budget",
     "models_cost", "rows_of", "table_text", "whole_way_cost",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from anisogran.cost.budget import KNOBS
 from anisogran.cost.main_job import MainJob
+from anisogran.cost.tables import row
 from anisogran.cost.whole_way import price_of
 
 USUAL = MainJob().knobs(KNOBS)
@@ -39,6 +40,15 @@ def choice_table(budget, price):
         lines.append(line(f"{accuracy:g}", *(f"{value:g}" for value in choice.values()), f"{price(choice):.0f}"))
     lines.append(line("the defaults", *(f"{value:g}" for value in USUAL.values()), f"{price(USUAL):.0f}"))
     return "\n".join(lines)
+
+
+def choice_rows(budget):
+    """{answer: rows} of a cost table: its expected error against seconds, as the accuracy that is asked for becomes finer."""
+    price = price_of(budget, MainJob())
+    choices = {accuracy: budget.choose(accuracy, price) for accuracy in (0.15, 0.07, *ACCURACIES)}
+    finer = sorted(choices.items(), reverse=True)
+    told = "accuracy of the whole way"
+    return {name: [row(told, asked, budget.error(name, choice), price(choice)) for asked, choice in finer] for name in budget.names}
 
 
 def budget_tables(budget):
