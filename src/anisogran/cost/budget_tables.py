@@ -1,5 +1,7 @@
 """The error budget of the main job as tables in markdown."""
 
+from dataclasses import replace
+
 from anisogran.cost.budget import KNOBS
 from anisogran.cost.main_job import MainJob
 from anisogran.cost.tables import row
@@ -15,21 +17,22 @@ def line(*cells):
 
 def budget_table(budget, price):
     """A cause a line, an answer a column, the usual values; at the end what the next second is best spent on."""
-    parts = {answer: {source.cause: (source, error) for source, error in budget.parts(answer, USUAL)} for answer in budget.names}
+    parts = {answer: {source.cause: told(budget, source) for source, _ in budget.parts(answer, USUAL)} for answer in budget.names}
     causes = dict.fromkeys(cause for own in parts.values() for cause in own)
     lines = [line("error from", *parts), line(*["---"] * (1 + len(parts)))]
     for cause in causes:
-        lines.append(line(cause, *(told(*own[cause]) if cause in own else "" for own in parts.values())))
+        lines.append(line(cause, *(own.get(cause, "") for own in parts.values())))
     lines.append(line("**all together**", *(f"**{budget.error(answer, USUAL):.2g}**" for answer in parts)))
     lines.append(line("the next second goes to", *(budget.next_second(answer, USUAL, price)[0][0] for answer in parts)))
     return "\n".join(lines)
 
 
-def told(source, error):
-    """An error and how well it is known; below its uncertainty, only that it is below."""
-    if error < source.uncertainty:
-        return f"< {source.uncertainty:.1g}"
-    return f"{error:.2g} ± {source.uncertainty:.1g}" if source.uncertainty > 0.1 * error else f"{error:.1g}"
+def told(budget, source):
+    """An error and how well it is known, which goes with the knobs as the error does; below its uncertainty, only that it is below."""
+    error, uncertainty = (budget.error_of(replace(source, error=one), USUAL) for one in (source.error, source.uncertainty))
+    if error < uncertainty:
+        return f"< {uncertainty:.1g}"
+    return f"{error:.2g} ± {uncertainty:.1g}" if uncertainty > 0.1 * error else f"{error:.1g}"
 
 
 def choice_table(budget, price):
