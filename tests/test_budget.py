@@ -2,11 +2,13 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from anisogran.cost.budget import KNOBS, LEAST, Budget, Source, budget_from, measured_budget
+from anisogran.cost.budget_tables import told
 from anisogran.cost.main_job import MainJob, Price
 from anisogran.cost.sources import chance, size, slope
 from anisogran.outcome import InputError
@@ -51,10 +53,20 @@ def test_chance_falls_as_one_over_the_root_and_is_told_for_the_usual_number(rng)
     values = 2.0 + 0.2 * rng.standard_normal(4000)
     error, uncertainty, measured = chance(values, (1, 4, 16), usual=9)
     assert error == pytest.approx(0.1 / 3.0, rel=0.1)
-    assert uncertainty == pytest.approx(error / math.sqrt(2 * 3999))
+    assert chance(values)[1] == pytest.approx(chance(values)[0] / math.sqrt(2 * 3999))  # of a standard deviation, as known
+    assert error / math.sqrt(2 * 3999) < uncertainty < error / math.sqrt(2 * 249)  # between those of means of 1 and of 16
     assert [count for count, _ in measured] == [1, 4, 16]
     for count, measured_error in measured:
         assert measured_error == pytest.approx(0.1 / math.sqrt(count), rel=0.15)  # 250 means of 16 know it to 4.5 %
+
+
+def test_the_uncertainty_of_chance_is_its_scatter(rng):
+    """Eight repetitions, by ones, twos and fours: the fours are only two."""
+    found = [chance(1.0 + 0.01 * rng.standard_normal(8), (1, 2, 4)) for _ in range(2000)]
+    squares = np.array([error**2 for error, _, _ in found])
+    assert squares.mean() == pytest.approx(1e-4, rel=0.06)  # 2000 trials: 2 %
+    relative = found[0][1] / found[0][0]
+    assert 2.0 * relative == pytest.approx(squares.std() / squares.mean(), rel=0.1)  # of a square twice that of its root
 
 
 def test_errors_go_as_powers_of_their_knobs_and_add_as_squares():
@@ -93,7 +105,11 @@ def test_an_accuracy_that_no_choice_reaches_is_refused_with_the_best_and_its_cau
     budget = budget_at_usual(Source("x", "points of the fit", 0.02, 0.0), Source("y", "a", 0.05, 0.0, ("boxes",), 0.5))
     with pytest.raises(InputError, match=r"accuracy = 0\.01: x cannot be had better than 0\.02 \(points of the fit\)"):
         budget.choose(0.01, linear_price)
-    for bad in (0.0, -1.0, 1.0, float("nan")):
+    odd = budget_at_usual(Source("x", "points of the fit", 0.02341, 0.0))
+    with pytest.raises(InputError, match=r"accuracy = 0\.023: x cannot be had better than 0\.024"):  # what is named can be had
+        odd.choose(0.023, linear_price)
+    assert odd.choose(0.024, linear_price) == LEAST
+    for bad in (0.0, -1.0, 1.0, float("nan"), float("inf")):
         with pytest.raises(InputError, match="accuracy"):
             budget.choose(bad, linear_price)
 
@@ -110,6 +126,23 @@ def test_a_budget_goes_through_a_file_and_back():
     budget = Budget((source,), USUAL, {"ring.travel": 20.0}, {"x": [1.0, 2.0]}, {"x": 0.01}, {"date": "today"})
     assert budget_from(json.loads(json.dumps(budget.as_dict() | {"rows": []}))) == budget
     assert budget.deviation("x", [1.0, 2.5, 9.0]) == pytest.approx(0.5 / math.sqrt(5.0))  # only as far as the best one goes
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"sources": [{"answer": "x"}]}', None])
+def test_a_damaged_file_is_told_in_one_line(text, tmp_path, monkeypatch):
+    if text is not None:
+        (tmp_path / "whole_way.json").write_text(text)
+    monkeypatch.setattr("anisogran.cost.budget.files", lambda package: tmp_path)
+    with pytest.raises(InputError, match=r"whole_way\.json: is missing or damaged \(.*\); install anisogran anew"):
+        measured_budget()
+
+
+def test_how_well_an_error_is_known_goes_with_its_knobs_too():
+    """Measured at 20 steps, told at the usual 10: twice the error, twice the uncertainty."""
+    budget = Budget((Source("x", "step", 0.01, 0.003, ("ring.contact_steps",), 1.0),), USUAL | {"ring.contact_steps": 20.0})
+    assert told(budget, budget.sources[0]) == "0.02 ± 0.006"
+    assert told(budget, replace(budget.sources[0], uncertainty=0.011)) == "< 0.02"
+    assert told(budget, replace(budget.sources[0], uncertainty=1e-4)) == "0.02"
 
 
 def test_knobs_of_the_budget_are_keys_of_the_main_job():

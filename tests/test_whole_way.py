@@ -63,7 +63,9 @@ def test_what_a_knob_does_is_told_at_its_usual_value_and_drawn_at_all():
 
 
 def test_points_that_are_left_out_tell_their_root_mean_square():
-    assert left_out("x", "points", [1.0, 1.0], [1.1, 0.9]).error == pytest.approx(0.1)
+    found = left_out("x", "points", [1.0, 1.0], [1.1, 0.9], ("boxes",))
+    assert found.error == pytest.approx(0.1)
+    assert (found.knobs, found.order) == (("boxes",), 0.5)
 
 
 def test_best_answers_come_from_runs_that_are_nowhere_coarser_than_usual():

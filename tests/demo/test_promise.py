@@ -23,9 +23,16 @@ def test_a_promise_is_kept_within_a_factor_of_two_of_both_errors_together():
     assert list(made_up({"x": 0.099, "y": 0.0}).reasons()) == []  # sqrt(0.03^2 + 0.04^2) = 0.05; nearer than promised is no fault
     [reason] = made_up({"x": 0.101, "y": 0.0}).reasons()
     assert reason == "x is off by 0.1, expected were 0.05"
+    [reason] = made_up({"x": float("nan"), "y": 0.0}).reasons()
+    assert reason.startswith("x is off by nan")
     for seconds in (49.0, 201.0):
         [reason] = made_up({"x": 0.0, "y": 0.0}, seconds).reasons()
         assert reason == f"it took {seconds:.0f} s, expected were 100 s"
+
+
+def test_what_cannot_be_checked_is_said_beforehand():
+    assert "cannot be checked: x 0.04" in made_up({}).promise.text()
+    assert "y" not in made_up({}).promise.text().partition("checked: ")[2]
 
 
 def test_what_became_of_a_promise_goes_into_the_numbers():
@@ -50,7 +57,7 @@ def test_a_finer_promise_has_smaller_errors_and_takes_longer():
     ("arguments", "told"),
     [
         (["--accuracy", "1e-6"], r"accuracy = 1e-06: .* cannot be had better than"),
-        (["--accuracy", "-1"], "accuracy = -1"),
+        *((["--accuracy", bad], f"demo: --accuracy = {bad} must be") for bad in ("-1", "0", "1", "nan", "inf")),
         (["--accuracy", "0.1", "--quick"], "--quick and --accuracy do not go together"),
     ],
 )
@@ -63,6 +70,13 @@ def test_what_cannot_be_promised_is_refused_in_one_line(arguments, told, tmp_pat
     assert re.search(told, error)
     assert len(error.splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_was_there_stays(tmp_path):
+    with pytest.raises(SystemExit) as end:
+        main(["demo", "--accuracy", "1e-6", "--out", str(tmp_path)])
+    assert end.value.code == 2
+    assert tmp_path.exists()
 
 
 def test_the_demo_keeps_a_loose_promise(tmp_path):

@@ -9,7 +9,7 @@ import typer
 
 from anisogran.cli.application import app
 from anisogran.cli.folders import output_folder
-from anisogran.outcome import InputError, Interrupted
+from anisogran.outcome import InputError, Interrupted, checked
 
 
 @app.command()
@@ -21,23 +21,27 @@ def demo(
     quick: Annotated[bool, typer.Option(help="Tiny sizes: every stage runs, the numbers are rough.")] = False,
     accuracy: Annotated[
         float | None,
-        typer.Option(help="Relative error that no answer shall exceed: chooses travel, grains, time steps, ... and checks itself."),
+        typer.Option(help="Relative error expected of the worst answer: chooses travel, grains, time steps, ... and checks itself."),
     ] = None,
 ):
     """The main job: grains, averages, law, continuum, comparison; writes report.html and results.h5."""
     clock = time.perf_counter()
     if quick and accuracy is not None:
         raise InputError("demo: --quick and --accuracy do not go together; --accuracy chooses the sizes")
+    if accuracy is not None:
+        checked("demo", "--accuracy", accuracy, above=0, below=1)
     if json_file is not None:
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
+    was_there = out is not None and out.exists()
     folder = output_folder(out, "demo", force)
     try:
         findings = run_and_report(seed, quick, accuracy, folder, clock)
     except BaseException as error:
-        with contextlib.suppress(OSError):
-            folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays
+        if not was_there:
+            with contextlib.suppress(OSError):
+                folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays
         if isinstance(error, KeyboardInterrupt):  # typer would give it an exit code, but no word
             raise Interrupted("interrupted; nothing was written") from None
         raise

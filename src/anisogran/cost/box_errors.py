@@ -8,6 +8,7 @@ from anisogran.cost.cases import Curve, by_value, left_out, turned, work_of
 from anisogran.cost.sources import CHANCE, FIRST, chance
 
 ANSWERS = ("s_max", "phi")
+REPEATED = ("biaxial.n", "boxes")  # the knobs of chance
 TURNED = {  # sweep: (cause, knob, key, order); a curve that is fitted through noise is biased by the square of the noise
     "box_n": ("few grains", "biaxial.n", "n", FIRST),
     "box_steps": ("time step", "biaxial.contact_steps", "contact_steps", FIRST),
@@ -23,7 +24,7 @@ def box_errors(sweeps):
     for answer in ANSWERS:
         values = [told[id(case)][answer] for case in boxes]
         error, uncertainty, measured = chance(values, [count for count in (1, 2, 4) if 2 * count <= len(values)])
-        sources.append(Source(answer, "chance", error, uncertainty, ("biaxial.n", "boxes"), CHANCE))
+        sources.append(Source(answer, "chance", error, uncertainty, REPEATED, CHANCE))
         grains = [case.scene.n for case in good]
         own = error * (boxes[0].scene.n / sum(grains)) ** CHANCE
         best[answer] = float(np.average([told[id(case)][answer] for case in good], weights=grains)), own
@@ -36,7 +37,7 @@ def box_errors(sweeps):
             sources.append(source)
             curves.append(curve)
         thinned = [box_answers(case.group("series").isel(time=slice(None, None, 2)))[answer] for case in boxes]
-        sources.append(left_out(answer, "points of the fit", values, thinned))
+        sources.append(left_out(answer, "points of the fit", values, thinned, REPEATED))
     return sources, curves, best
 
 

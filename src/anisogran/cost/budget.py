@@ -72,7 +72,8 @@ class Budget:
     """All sources, and the knobs {name: value} at which they were measured.
 
     `lost` {name: value} goes by before a knob helps, such as the travel of a transient. Beside them the best `answers` {name: number or
-    list} and what these err by themselves; `made` says where, when and how fast.
+    list} and what these err by themselves, by chance: what a knob does to their mean is the same in a choice with the same knobs, and
+    not seen by comparing them. `made` says where, when and how fast.
     """
 
     sources: tuple
@@ -133,8 +134,8 @@ class Budget:
             best = max(options, key=lambda option: self.gain(choice, option, accuracy, price), default=None)
             if best is None or not self.gain(choice, best, accuracy, price) > 0:
                 worst = max(self.names, key=lambda name: self.error(name, choice))
-                cause = self.parts(worst, choice)[0][0].cause
-                raise InputError(f"accuracy = {accuracy:g}: {worst} cannot be had better than {self.error(worst, choice):.2g} ({cause})")
+                cause, least = self.parts(worst, choice)[0][0].cause, rounded_up(self.error(worst, choice))
+                raise InputError(f"accuracy = {accuracy:g}: {worst} cannot be had better than {least} ({cause})")
             choice = best
         return choice
 
@@ -154,6 +155,12 @@ class Budget:
         return vars(self) | {"sources": [vars(source) for source in self.sources]}
 
 
+def rounded_up(number):
+    """Two digits that are not below the number, as text."""
+    scale = 10.0 ** (1 - math.floor(math.log10(number)))
+    return f"{math.ceil(number * scale - 1e-9) / scale:.2g}"
+
+
 def budget_from(content):
     """The Budget of what `as_dict` made; what else there is in it is left aside."""
     sources = tuple(Source(**source | {"knobs": tuple(source["knobs"])}) for source in content["sources"])
@@ -161,5 +168,9 @@ def budget_from(content):
 
 
 def measured_budget():
-    """The Budget that comes with the package."""
-    return budget_from(json.loads(files("anisogran.cost").joinpath(MEASURED).read_text(encoding="utf-8")))
+    """The Budget that comes with the package. Raises InputError if its file is missing or damaged."""
+    path = files("anisogran.cost").joinpath(MEASURED)
+    try:
+        return budget_from(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: is missing or damaged ({type(error).__name__}: {error}); install anisogran anew") from None

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from anisogran.cost.budget import Source
-from anisogran.cost.sources import size, slope
+from anisogran.cost.sources import CHANCE, size, slope
 from anisogran.experiments.scene_file import scene_from
 from anisogran.files import open as open_results
 from anisogran.scenes.writing import scene_text
@@ -78,8 +78,11 @@ def turned(answer, cause, knob, order, groups, values, usual, weights=1.0):
     return Source(answer, cause, found.error, found.uncertainty, (knob,), order), Curve(answer, cause, knob, kind, points)
 
 
-def left_out(answer, cause, values, fewer, weights=1.0):
-    """Source of what half of the points do not tell: values (repetitions, ...) from all and from `fewer`; the other half makes no more."""
+def left_out(answer, cause, values, fewer, knobs, weights=1.0):
+    """Source of what half of the points do not tell: values (repetitions, ...) from all and from `fewer`; the other half makes no more.
+
+    It goes as chance does, and is a part of it that is told by itself: as squares they add to a few per cent too much.
+    """
     difference = np.sqrt(np.mean((np.asarray(fewer, float) - values) ** 2, axis=0))
     error = size(difference, np.mean(values, axis=0), weights)
-    return Source(answer, cause, error, error / np.sqrt(2.0 * len(values)))
+    return Source(answer, cause, error, error / np.sqrt(2.0 * len(values)), knobs, CHANCE)

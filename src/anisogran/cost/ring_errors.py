@@ -78,8 +78,7 @@ def ring_errors(sweeps, usual_travel):
     """
     rings = Rings(sweeps)
     found = [
-        *(part(rings, answer, usual_travel) for part in (chance_in_ring, time_step) for answer in (GRAINS, CONTINUUM)),
-        *(samples(rings, answer) for answer in (GRAINS, CONTINUUM)),
+        *(part(rings, answer, usual_travel) for part in (chance_in_ring, time_step, samples) for answer in (GRAINS, CONTINUUM)),
         *shear_errors(rings, sweeps),
         *mesh_errors(rings),
     ]
@@ -99,10 +98,8 @@ def ring_errors(sweeps, usual_travel):
 def chance_in_ring(rings, answer, usual_travel):
     """(Source, Curve) of averages over little travel; the continuum is calibrated on pairs of blocks."""
     scene, group = rings.scene, 1 if answer == GRAINS else 2
-    counts = [run.blocks.sizes["block"] for run in rings.usual()]
-    parts = [
-        averaged_over(run, k, k + group) for run, blocks in zip(rings.usual(), counts, strict=True) for k in range(0, blocks - 1, group)
-    ]
+    starts = [(run, k) for run in rings.usual() for k in range(0, run.blocks.sizes["block"] - group + 1, group)]
+    parts = [averaged_over(run, k, k + group) for run, k in starts]
     usual = (usual_travel - scene.discard) / scene.block / group
     error, uncertainty, measured = chance([rings.answer(answer, part) for part in parts], (1, 2, 4), usual, rings.weights[answer])
     work = work_of(rings.cases["ring"]) / scene.travel
@@ -125,13 +122,18 @@ def time_step(rings, answer, usual_travel):
     return turned(answer, *knob, usual, values, rings.scene.contact_steps, rings.weights[answer])
 
 
-def samples(rings, answer):
-    """(Source, None) of the samples in the averages: the same trajectory, looked at as often as usual, and more often."""
+def samples(rings, answer, usual_travel):
+    """(Source, None) of the samples in the averages: the same trajectory, looked at as often as usual, and twice as often.
+
+    What differs is what the more often leaves; as often as usual leaves the root of two times that, and less over more travel.
+    """
     dense = max(rings.cases["ring_samples"], key=lambda case: case.scene.samples_per_diameter)
     [usual] = [case for case in rings.cases["ring"] if case.scene.seed == dense.scene.seed]
     blocks = rings.runs[id(dense)].blocks.sizes["block"]
     every, fewer = ([rings.answer(answer, averaged_over(rings.runs[id(case)], 0, blocks))] for case in (dense, usual))
-    return left_out(answer, "samples of the averages", every, fewer, rings.weights[answer]), None
+    found = left_out(answer, "samples of the averages", every, fewer, ("ring.travel",), rings.weights[answer])
+    more = math.sqrt(2.0 * blocks * usual.scene.block / (usual_travel - usual.scene.discard))
+    return replace(found, error=more * found.error, uncertainty=more * found.uncertainty), None
 
 
 def shear_errors(rings, sweeps):

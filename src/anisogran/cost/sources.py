@@ -30,8 +30,8 @@ def chance(values, counts=(1,), usual=1.0, weights=1.0):
     """(error of a mean over the `usual` number of repetitions, its uncertainty, [(count, error of a mean over so many)]).
 
     values (repetitions, ...). Means over 1, 2, ... of them scatter about that of all, which holds each of them; the error is what all
-    counts make of the usual number, since all fall as one over its root. The uncertainty is that of a single normal quantity: a profile of
-    independent points knows its scatter better.
+    counts make of the usual number, since all fall as one over its root. The uncertainty is that of a single normal quantity, whose
+    scatter by one count holds that by the next: a profile of independent points knows its scatter better.
     """
     values = np.asarray(values, float)
     mean, measured = values.mean(axis=0), []
@@ -40,7 +40,8 @@ def chance(values, counts=(1,), usual=1.0, weights=1.0):
         spread = np.sqrt(np.mean((sets - mean) ** 2, axis=0) / (1.0 - count / len(values)))
         measured.append((count, size(spread, mean, weights)))
     error = math.sqrt(sum(count * error**2 for count, error in measured) / len(measured) / usual)
-    return error, error / math.sqrt(2.0 * (len(values) - 1)), measured
+    free = np.array([len(values) / count - 1.0 for count in counts])
+    return error, error * math.sqrt(0.5 * np.mean(1.0 / np.maximum.outer(free, free))), measured
 
 
 def slope(powers, values, weights=1.0):

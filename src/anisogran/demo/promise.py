@@ -26,10 +26,12 @@ class Promise:
     seconds: float
 
     def text(self):
-        """What is promised, a line or two."""
+        """What is promised, two lines, and what of it cannot be checked, one more."""
         knobs = ", ".join(f"{name} = {value:g}" for name, value in self.choice.items())
         errors = ", ".join(f"{name} {error:.2g}" for name, error in self.errors.items())
-        return f"accuracy {self.accuracy:g}: {knobs}\nexpected: {self.seconds:.0f} s; relative errors of {errors}"
+        worse = ", ".join(f"{name} {own:.2g}" for name, own in self.budget.own_errors.items() if own > self.errors[name])
+        limit = f"\nthe best answers known err more themselves, so that this cannot be checked: {worse}" if worse else ""
+        return f"accuracy {self.accuracy:g}: {knobs}\nexpected: {self.seconds:.0f} s; relative errors of {errors}{limit}"
 
     def held_against(self, findings, seconds):
         """The Findings of its job, done in `seconds`, with what became of the promise."""
@@ -62,7 +64,7 @@ class Kept:
     def reasons(self):
         """A sentence for each promise that was not kept within a factor of two; an answer that is nearer than promised is none."""
         for name, found in self.found.items():
-            if found > FACTOR * self.expected(name):
+            if not found <= FACTOR * self.expected(name):  # also one that is NaN
                 yield f"{name} is off by {found:.2g}, expected were {self.expected(name):.2g}"
         if not self.promise.seconds / FACTOR <= self.seconds <= FACTOR * self.promise.seconds:
             yield f"it took {self.seconds:.0f} s, expected were {self.promise.seconds:.0f} s"
@@ -88,7 +90,7 @@ class Kept:
 def promised(accuracy, seed):
     """The Promise of a demo with that seed on this machine, whose speed is measured first.
 
-    Raises InputError for an accuracy that cannot be had, or not be checked, with the best one.
+    Raises InputError for an accuracy that cannot be had, with the best one.
     """
     budget = measured_budget()
     price = price_of(budget, MainJob(seed))
