@@ -9,6 +9,7 @@ The cases are those of `hard_cases.toml`; the members that a case is asked of co
 one of its parameters, or by `hard_case("D3", of="luding")`. What nobody answered is a hole.
 """
 
+import math
 import re
 import tomllib
 from collections import defaultdict
@@ -60,8 +61,13 @@ class Answer:
         self._found = item.user_properties
 
     def computed(self, error, quantity="computed"):
-        """To this error, relative unless the name of the quantity says otherwise; of several tests the page shows the largest."""
-        self._found.append(("found", [quantity, float(error)]))
+        """To this error, relative unless the name of the quantity says otherwise; of several tests the page shows the largest.
+
+        Its sign is left away, which would look exact. ValueError if it is not a finite number: then nothing was computed.
+        """
+        if not math.isfinite(error):
+            raise ValueError(f"{quantity}: an error of {error} is none")
+        self._found.append(("found", [quantity, abs(float(error))]))
 
     def refused(self, message):
         """By an exception, or what pytest.raises caught."""

@@ -93,7 +93,9 @@ def test_a_test_names_the_member_by_a_parameter_or_by_its_mark():
 def test_an_answer_goes_with_the_report():
     item = Item()
     answer = Answer(item)
-    answer.computed(1e-4, "restitution")
+    answer.computed(-1e-4, "restitution")
+    with pytest.raises(ValueError, match="restitution: an error of nan is none"):
+        answer.computed(float("nan"), "restitution")
     answer.refused(InputError("k1 = -1 must be above 0"))
     answer.named(Status().fail("tension"))
     assert [value for _, value in item.user_properties] == [
