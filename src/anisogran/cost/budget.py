@@ -2,7 +2,7 @@
 
 What one knob leaves goes as a power of its value, and the causes are independent, so that their squares add. The sizes are measured
 (cost/whole_way.py) and come with the package; the powers are those of theory: a half for chance, one for the time step of a damped
-contact, three for quadratic elements.
+contact, the rate and the number of grains, three for quadratic elements.
 """
 
 import json

@@ -26,7 +26,7 @@ from anisogran.experiments.steady_shear import steady_state
 
 @dataclass(frozen=True)
 class Findings:
-    """All that the demo found; `numbers` is the flat dict that goes to --json."""
+    """All that the demo found; `numbers` is the dict that goes to --json, flat but for `accuracy`, which a promise adds."""
 
     scene: MainJob
     boxes: list  # Runs
