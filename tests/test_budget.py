@@ -105,6 +105,10 @@ def test_an_accuracy_that_no_choice_reaches_is_refused_with_the_best_and_its_cau
     budget = budget_at_usual(Source("x", "points of the fit", 0.02, 0.0), Source("y", "a", 0.05, 0.0, ("boxes",), 0.5))
     with pytest.raises(InputError, match=r"accuracy = 0\.01: x cannot be had better than 0\.02 \(points of the fit\)"):
         budget.choose(0.01, linear_price)
+    lasting = budget_at_usual(Source("x", "a", 0.05, 0.0, ("elements",), 0.1))
+    with pytest.raises(InputError, match="x cannot be had better than"):  # knobs end, and the search with them
+        lasting.choose(0.01, linear_price)
+    assert KNOBS["elements"].turned(1024) is None
     odd = budget_at_usual(Source("x", "points of the fit", 0.02341, 0.0))
     with pytest.raises(InputError, match=r"accuracy = 0\.023: x cannot be had better than 0\.024"):  # what is named can be had
         odd.choose(0.023, linear_price)
@@ -117,6 +121,9 @@ def test_an_accuracy_that_no_choice_reaches_is_refused_with_the_best_and_its_cau
 def test_the_next_second_goes_to_the_knob_that_takes_away_most():
     budget = budget_at_usual(Source("x", "a", 0.05, 0.0, ("ring.travel",), 0.5), Source("x", "b", 0.001, 0.0, ("boxes",), 0.5))
     (first, fall), (second, less) = budget.next_second("x", USUAL, linear_price)
+    more = KNOBS["ring.travel"].turned(USUAL["ring.travel"])
+    gone = 1.0 - budget.error("x", USUAL | {"ring.travel": more}) / budget.error("x", USUAL)
+    assert fall == pytest.approx(gone / (2.0 * (more - USUAL["ring.travel"])), rel=1e-4)  # for a second, of which each diameter takes two
     assert (first, second) == ("ring.travel", "boxes")
     assert fall > less > 0
 

@@ -10,7 +10,9 @@ import pytest
 from anisogran.cli import main
 from anisogran.cost.budget import Budget, Source, measured_budget
 from anisogran.cost.main_job import MainJob
-from anisogran.demo.promise import Kept, Promise, promised
+from anisogran.cost.whole_way import price_of
+from anisogran.demo.grains import shared_out
+from anisogran.demo.promise import REST, Kept, Promise, promised
 
 
 def made_up(found, seconds=100.0):
@@ -51,6 +53,16 @@ def test_a_finer_promise_has_smaller_errors_and_takes_longer():
     assert tight.job.seed == 1
     assert tight.job.ring.travel == tight.choice["ring.travel"]
     assert "expected:" in tight.text()
+
+
+def test_seconds_are_those_of_the_longer_process_on_this_machine(monkeypatch):
+    """Half as fast as that of the budget."""
+    made = measured_budget().made
+    monkeypatch.setattr("anisogran.demo.promise.machine_speed", lambda: 0.5 * made["grain_steps_per_second"])
+    promise = promised(0.1, seed=1)
+    price = price_of(promise.budget, promise.job)
+    alone = [sum(map(price.of_run, job)) for job in shared_out(promise.job.experiments())]
+    assert promise.seconds == pytest.approx(2.0 * (max(alone) + REST))
 
 
 @pytest.mark.parametrize(

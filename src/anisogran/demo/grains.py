@@ -1,9 +1,12 @@
 """The particle runs of the demo in two processes: the ring, one or more biaxial boxes, and the homogeneous shear tests."""
 
 import multiprocessing
+import signal
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 from anisogran.outcome import RunFailed
 from anisogran.runs.estimates import estimate
@@ -35,6 +38,20 @@ def _run_all(job, scenes, costs):
     return runs
 
 
+@contextmanager
+def without_interrupts():
+    """Processes started within the block do not hear Ctrl-C, which a terminal sends to all: it is for their parent, which ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # it would let Ctrl-C through to the processes that are started beside it
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def run_grains(jobs, progress):
     """The Runs of all jobs (lists of experiments), each job in a process of its own.
 
@@ -47,7 +64,9 @@ def run_grains(jobs, progress):
     others = set(multiprocessing.active_children())
     shares = context.Array("d", len(jobs), lock=False)
     with ProcessPoolExecutor(len(jobs), mp_context=context, initializer=_adopt, initargs=(shares,)) as pool:
-        futures = [pool.submit(_run_all, k, scenes, [estimate(scene).grain_steps for scene in scenes]) for k, scenes in enumerate(jobs)]
+        costs = [[estimate(scene).grain_steps for scene in scenes] for scenes in jobs]
+        with without_interrupts():
+            futures = [pool.submit(_run_all, k, *job) for k, job in enumerate(zip(jobs, costs, strict=True))]
         try:
             pending = futures
             while pending:
