@@ -10,6 +10,7 @@ from anisogran import cli, fitting
 from anisogran.benchmark import made_packing
 from anisogran.cli import cost_command
 from anisogran.cost import curve_fits, effects, rooms
+from anisogran.outcome import RunFailed
 
 
 def priced(room, tmp_path_factory):
@@ -287,3 +288,17 @@ def test_all_rooms_are_gone_through_in_order(monkeypatch, tmp_path, capsys):
 
 def test_the_command_knows_the_rooms_there_are():
     assert tuple(rooms.ROOMS) == cost_command.ROOMS
+
+
+def test_a_room_that_fails_leaves_no_empty_folder(monkeypatch, tmp_path):
+    def breaks(quick):
+        raise RunFailed("a made-up end")
+
+    monkeypatch.setattr(rooms, "ROOMS", {"dem": breaks})
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    for folder, stays in ((tmp_path / "new", False), (kept, True)):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["cost", "dem", "--out", str(folder)])
+        assert end.value.code == 3
+        assert folder.exists() == stays

@@ -1,12 +1,13 @@
 """`anisogran cost`: what accuracy costs in time."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from anisogran.cli.application import app
-from anisogran.cli.folders import output_folder
+from anisogran.cli.folders import folder_to_fill
 from anisogran.outcome import InputError
 
 MINUTES = {"dem": 7, "averaging": 1, "models": 2, "fitting": 8, "continuum": 1, "whole": 60}  # of one core, kernels compiled anew
@@ -33,7 +34,12 @@ def cost(
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
-    folder = None if out is None else output_folder(out, "cost", force)
+    with nullcontext() if out is None else folder_to_fill(out, "cost", force) as folder:
+        go_through(room, quick, json_file, folder)
+
+
+def go_through(room, quick, json_file, folder):
+    """Prints the rows of a room, or of all; the file and the folder, if they are wanted, hold those that are done."""
     from anisogran import cost as costs
 
     found = {}

@@ -1,6 +1,5 @@
 """`anisogran demo`: the main job."""
 
-import contextlib
 import time
 from pathlib import Path
 from typing import Annotated
@@ -8,7 +7,7 @@ from typing import Annotated
 import typer
 
 from anisogran.cli.application import app
-from anisogran.cli.folders import output_folder
+from anisogran.cli.folders import folder_to_fill
 from anisogran.outcome import InputError, Interrupted, checked
 
 
@@ -34,17 +33,11 @@ def demo(
         from anisogran.files.numbers import check_writable
 
         check_writable(json_file, "--json ")
-    was_there = out is not None and out.exists()
-    folder = output_folder(out, "demo", force)
-    try:
-        findings = run_and_report(seed, quick, accuracy, folder, clock)
-    except BaseException as error:
-        if not was_there:
-            with contextlib.suppress(OSError):
-                folder.rmdir()  # nothing was found: leave no empty folder behind; a folder that holds anything stays
-        if isinstance(error, KeyboardInterrupt):  # typer would give it an exit code, but no word
+    with folder_to_fill(out, "demo", force) as folder:
+        try:
+            findings = run_and_report(seed, quick, accuracy, folder, clock)
+        except KeyboardInterrupt:  # typer would give it an exit code, but no word
             raise Interrupted("interrupted; nothing was written") from None
-        raise
     if json_file is not None:
         from anisogran.files import write_json
 

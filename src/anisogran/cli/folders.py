@@ -32,6 +32,20 @@ def output_folder(out, name, force):
     return folder
 
 
+@contextlib.contextmanager
+def folder_to_fill(out, name, force):
+    """The folder of `output_folder` for a block; if the block fails, one that was made for it and is still empty is removed."""
+    was_there = out is not None and out.exists()
+    folder = output_folder(out, name, force)
+    try:
+        yield folder
+    except BaseException:
+        if not was_there:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
+
+
 def numbered_folder(name):
     """Makes the first folder of name-001, name-002, ... that does not exist yet."""
     for k in itertools.count(1):

@@ -35,7 +35,7 @@ class Knob:
         return more if more <= self.highest else None
 
 
-KNOBS = {  # the lowest values are among those that were measured
+KNOBS = {  # no lower than what was measured
     knob.name: knob
     for knob in (
         Knob("ring.travel", 120.0, 10_000.0),
