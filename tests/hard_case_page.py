@@ -185,9 +185,9 @@ def cell(found, not_asked=None):
             messages.setdefault(NUMBER.sub("#", words), words)
         else:
             largest[words] = max(error, largest.get(words, 0.0))
-    computed = [f"{words} to {error:.1g}" if error else f"{words}: exact" for words, error in largest.items()]
+    computed = [f"{words} to {error:.1g}" if error else f"{words}: exact" for words, error in sorted(largest.items())]
     failed = [words for words in messages.values() if FAILED in words]
-    told = list(messages.values())
+    told = sorted(messages.values())  # in whatever order the tests ran
     more = [f"and {len(told) - MOST} more"] if len(told) > MOST else []
     return "; ".join(failed or [*computed, *told[:MOST], *more]).replace("|", "\\|") or HOLE
 

@@ -97,7 +97,7 @@ def test_the_budget_of_each_answer_adds_up(way_rows):
     for answer in ANSWERS:
         *parts, whole = block(way_rows, f"{answer}: budget at the defaults")
         assert whole["value"] == "all together"
-        assert whole["error"] == pytest.approx(math.hypot(*(part["error"] for part in parts)), rel=1e-9)
+        assert whole["error"] == pytest.approx(math.hypot(*(part["error"] for part in parts)), rel=1e-3)  # four digits are kept
         assert [part["error"] for part in parts] == sorted((part["error"] for part in parts), reverse=True)
 
 
@@ -105,8 +105,10 @@ def test_a_turned_knob_lowers_the_error_and_costs_seconds(way_rows):
     for answer in ANSWERS:
         usual = block(way_rows, f"{answer}: budget at the defaults")[-1]
         for turned_up in block(way_rows, f"{answer}: one knob a fifth up, best first"):
-            assert 0 < turned_up["error"] < usual["error"]
+            assert 0 < turned_up["error"] <= usual["error"]  # of four digits: what hardly matters may not show
             assert turned_up["seconds"] > usual["seconds"]
+        best = block(way_rows, f"{answer}: one knob a fifth up, best first")[0]
+        assert best["error"] < usual["error"]
 
 
 def test_the_law_itself_leaves_more_with_the_local_law(way_rows):

@@ -12,7 +12,7 @@ from anisogran.models import INTEGRATORS, LAWS, element_test, updated
 
 SCRIPT = """
 import json, sys
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = sys.argv[1:]
 from test_without_compiler import numbers
 print(json.dumps(numbers()))
 """
@@ -40,7 +40,7 @@ def numbers():
 def test_the_laws_run_without_the_compiler():
     folder = os.path.dirname(__file__)
     run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", SCRIPT, folder],
+        [sys.executable, "-W", "error", "-c", SCRIPT, folder, os.path.dirname(folder)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
         capture_output=True,
         text=True,
