@@ -150,14 +150,16 @@ def shear_errors(rings, sweeps):
     for answer, value in told.items():
         weights = rings.weights.get(answer, 1.0)
         values = {key: [value(law) for law in some] for key, some in laws.items()}
-        points, pooled = [], []
-        for tests in (sweeps["shear_half"], sweeps["shear"]):
-            error, _, _ = chance(values[id(tests)], weights=weights)
-            points.append((tests[0].scene.strain, error, work_of(tests)))
-            averaged = (tests[0].scene.strain - scene.discard) / (scene.strain - scene.discard)
-            pooled.append(error**2 * averaged)  # what a shorter average makes of the usual one
-        error = math.sqrt(np.mean(pooled))
-        uncertainty = error / math.sqrt(2.0 * sum(len(values[id(tests)]) - 1 for tests in (sweeps["shear_half"], sweeps["shear"])))
+        scatter = {key: chance(some, weights=weights)[0] for key, some in values.items()}
+        points = [(tests[0].scene.strain, scatter[id(tests)], work_of(tests)) for tests in (sweeps["shear_half"], sweeps["shear"])]
+        # all repetitions are pooled: what a shorter average makes of the usual one, and other time steps, which hardly change chance
+        others = [tests for steps_of_contact, tests in steps.items() if steps_of_contact != scene.contact_steps]
+        all_tests = [sweeps["shear_half"], sweeps["shear"], *others]
+        free = [len(values[id(tests)]) - 1 for tests in all_tests]
+        averaged = [(tests[0].scene.strain - scene.discard) / (scene.strain - scene.discard) for tests in all_tests]
+        squares = [scatter[id(tests)] ** 2 * share for tests, share in zip(all_tests, averaged, strict=True)]
+        error = math.sqrt(np.average(squares, weights=free))
+        uncertainty = error / math.sqrt(2.0 * sum(free))
         source = Source(answer, "chance in the tests", error, uncertainty, ("shear.strain",), CHANCE)
         found.append((source, Curve(answer, source.cause, "shear.strain", scene.kind, points)))
         over = [values[id(tests)] for tests in steps.values()]
