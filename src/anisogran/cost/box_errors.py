@@ -20,6 +20,7 @@ def box_errors(sweeps):
     """(sources, curves, {answer: (the best value, its own relative error)}) of the Cases {sweep: [Case]} of a box."""
     told = {id(case): box_answers(case.group("series")) for name in ("box", *TURNED) for case in sweeps[name]}
     boxes, sources, curves, best = sweeps["box"], [], [], {}
+    thinned = [box_answers(case.group("series").isel(time=slice(None, None, 2))) for case in boxes]
     good = at_least([case for name in ("box", *TURNED) for case in sweeps[name]], boxes[0].scene)
     for answer in ANSWERS:
         values = [told[id(case)][answer] for case in boxes]
@@ -36,8 +37,7 @@ def box_errors(sweeps):
             source, curve = turned(answer, cause, knob, order, groups, over, getattr(boxes[0].scene, key))
             sources.append(source)
             curves.append(curve)
-        thinned = [box_answers(case.group("series").isel(time=slice(None, None, 2)))[answer] for case in boxes]
-        sources.append(left_out(answer, "points of the fit", values, thinned, REPEATED))
+        sources.append(left_out(answer, "points of the fit", values, [one[answer] for one in thinned], REPEATED))
     return sources, curves, best
 
 

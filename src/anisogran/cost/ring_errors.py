@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from anisogran import fitting
-from anisogran.comparison import fitted_amplitude, measured, ring_flow
+from anisogran.comparison import fitted_amplitude, homogeneous_friction, measured, ring_flow
 from anisogran.comparison.measures import near, near_l2, ring_edges
 from anisogran.continuum import LocalMuI
 from anisogran.cost.answers import DEPTHS, continuum_velocity, grain_velocity
@@ -59,7 +58,7 @@ def friction_laws(tests):
     found = []
     for seed in sorted({case.scene.seed for case in tests}):
         steady = xr.concat([case.group("steady") for case in tests if case.scene.seed == seed], "test")
-        fit = fitting.mu_of_I(steady.inertial_number.values, steady.stress_ratio.values, steady.stress_ratio_error.values)
+        fit = homogeneous_friction(steady)
         found.append((fit.values["mu_s"], fit.values["b"]))
     return found
 

@@ -18,6 +18,7 @@ from anisogran.cost.main_job import MainJob, Price
 from anisogran.cost.ring_errors import ring_errors
 from anisogran.cost.tables import row
 from anisogran.cost.timing import clocked, timed
+from anisogran.scenes.changes import changed
 
 
 def whole_way_cost(quick=False):
@@ -37,9 +38,9 @@ def small_job():
     job = MainJob.small()
     return replace(
         job,
-        biaxial=changed(job.biaxial, n=100, duration=0.01),
-        ring=changed(job.ring, travel=8.0, block=1.0),
-        shear=changed(job.shear, n=50, strain=2.0, discard=0.8),
+        biaxial=changed(job.biaxial, {"n": 100, "duration": 0.01}),
+        ring=changed(job.ring, {"travel": 8.0, "block": 1.0}),
+        shear=changed(job.shear, {"n": 50, "strain": 2.0, "discard": 0.8}),
         inertial_numbers=job.inertial_numbers[::4],
     )
 
@@ -74,8 +75,8 @@ def price_of(budget, job):
 def sweeps_of(job, quick=False):
     """{name: (experiment, what is varied)} for a MainJob: the usual knobs, and each turned by itself; `quick` by one value only."""
     many, seeds, few, keep = (3, 2, 2, slice(-1, None)) if quick else (8, 6, 3, slice(None))
-    box, ring, shear = job.biaxial, changed(job.ring, frames=0), changed(job.shear, frames=0)
-    short = changed(ring, travel=ring.discard + 5 * ring.block)
+    box, ring, shear = job.biaxial, changed(job.ring, {"frames": 0}), changed(job.shear, {"frames": 0})
+    short = changed(ring, {"travel": ring.discard + 5 * ring.block})
     tests = {"inertial_number": list(job.inertial_numbers)}
 
     def some(count):
@@ -87,17 +88,12 @@ def sweeps_of(job, quick=False):
         "box_steps": (box, {"contact_steps": [5.0, 20.0][keep]} | some(seeds)),
         "box_duration": (box, {"duration": [box.duration / 4, box.duration / 2][keep]} | some(seeds)),
         "shear": (shear, tests | some(seeds)),
-        "shear_half": (changed(shear, strain=0.5 * (shear.strain + shear.discard)), tests | some(seeds)),
+        "shear_half": (changed(shear, {"strain": 0.5 * (shear.strain + shear.discard)}), tests | some(seeds)),
         "shear_steps": (shear, {"contact_steps": [5.0, 10.0][keep]} | tests | some(few)),
-        "ring": (changed(ring, travel=ring.discard + 10 * ring.block), some(few if quick else few + 1)),
+        "ring": (changed(ring, {"travel": ring.discard + 10 * ring.block}), some(few if quick else few + 1)),
         "ring_steps": (short, {"contact_steps": [5.0, 10.0][keep]} | some(few)),
-        "ring_samples": (changed(short, seed=1), {"samples_per_diameter": [2 * ring.samples_per_diameter]}),
+        "ring_samples": (changed(short, {"seed": 1}), {"samples_per_diameter": [2 * ring.samples_per_diameter]}),
     }
-
-
-def changed(scene, **changes):
-    """The scene with other values."""
-    return scene.model_copy(update=changes)
 
 
 def budget_of(sweeps, job):
@@ -114,7 +110,7 @@ def budget_of(sweeps, job):
 def paces(job):
     """What this machine takes, in processor seconds without compilation: for a grain and a step of each kind of experiment, averages
     included; for an element of the continuum; and beside them its `machine_speed`."""
-    short = changed(job.ring, travel=job.ring.discard + job.ring.block)
+    short = changed(job.ring, {"travel": job.ring.discard + job.ring.block})
     found = {}
     for scene, small in ((short, MainJob.small().ring), (job.biaxial, MainJob.small().biaxial), (job.shear, MainJob.small().shear)):
         small.run()  # compiles

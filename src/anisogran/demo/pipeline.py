@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from anisogran import fitting
 from anisogran.comparison import (
     best_exponential,
     compare,
     decay_length_error,
     equilibrium,
     fitted_amplitude,
+    homogeneous_friction,
     log_rms,
     relative_l2,
     ring_flow,
@@ -64,7 +64,7 @@ def run_demo(scene, progress):
 
     box_laws = [biaxial_law(box) for box in boxes]
     shear = xr.concat([steady_state(run) for run in tests], "test")
-    friction = fitting.mu_of_I(shear.inertial_number.values, shear.stress_ratio.values, shear.stress_ratio_error.values)
+    friction = homogeneous_friction(shear)
     mu_s, b = friction.values["mu_s"], friction.values["b"]
 
     calibration = fitted_amplitude(ring, mu_s, b)
