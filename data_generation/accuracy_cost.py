@@ -14,6 +14,7 @@ from pathlib import Path
 
 from anisogran import cost
 from anisogran.cost.machine import processor
+from anisogran.cost.tables import rounded
 from anisogran.files import check_writable, software, write_json
 from anisogran.outcome import InputError
 
@@ -50,11 +51,6 @@ def main(arguments=None):
         in_order = {name: found[name] for name in ROOMS if name in found}
         write_json(options.file, {"about": about} | in_order)
     return found
-
-
-def rounded(number):
-    """Four digits, more than is known."""
-    return None if number is None else float(f"{number:.3e}")
 
 
 if __name__ == "__main__":

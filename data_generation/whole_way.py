@@ -14,6 +14,7 @@ from anisogran import sweep
 from anisogran.cost import table_text
 from anisogran.cost.cases import cases_of, done_cases
 from anisogran.cost.main_job import MainJob
+from anisogran.cost.tables import rounded
 from anisogran.cost.whole_way import budget_of, measured_job, small_job, sweeps_of, whole_way_rows
 from anisogran.files import check_writable, write_json
 
@@ -39,15 +40,6 @@ def main(arguments=None):
     print(table_text(rows))
     write_json(options.file, rounded(budget.as_dict() | {"rows": rows}))
     return budget
-
-
-def rounded(content):
-    """The same with four digits in each number, more than is known."""
-    if isinstance(content, dict):
-        return {name: rounded(value) for name, value in content.items()}
-    if isinstance(content, list):
-        return [rounded(value) for value in content]
-    return float(f"{content:.4g}") if isinstance(content, float) else content
 
 
 if __name__ == "__main__":

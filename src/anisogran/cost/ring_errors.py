@@ -7,6 +7,7 @@ held while the other varies. An amplitude that is fitted anew takes up nearly al
 
 import math
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -43,6 +44,11 @@ class Rings:
     def flow(self, run, law=None):
         """The Flow of the continuum whose amplitude suits the run, with mu_s and b of a law or the usual ones."""
         return ring_flow(run, fitted_amplitude(run, *(self.law if law is None else law)).law).solve()
+
+    @cached_property
+    def usual_flows(self):
+        """The flow of each of the usual runs."""
+        return [self.flow(run) for run in self.usual()]
 
     def answer(self, name, run):
         """An answer of a run, (points,)."""
@@ -87,7 +93,9 @@ def ring_errors(sweeps, usual_travel):
         "shear.strain": len(friction_laws(sweeps["shear"])),
     }
     best = {"mu_s": float(rings.law[0]), "b": float(rings.law[1])}
-    best |= {answer: np.mean([rings.answer(answer, run) for run in rings.usual()], axis=0).tolist() for answer in (GRAINS, CONTINUUM)}
+    best[GRAINS] = np.mean([rings.answer(GRAINS, run) for run in rings.usual()], axis=0).tolist()
+    flows = zip(rings.usual(), rings.usual_flows, strict=True)
+    best[CONTINUUM] = np.mean([rings.velocity(run, flow) for run, flow in flows], axis=0).tolist()
     for answer, value in best.items():
         own = [source.error**2 / repeated[source.knobs[0]] for source in sources if source.answer == answer and source.order == CHANCE]
         best[answer] = value, math.sqrt(sum(own))
@@ -170,7 +178,7 @@ def shear_errors(rings, sweeps):
 def mesh_errors(rings):
     """[(Source, None)] of the continuum's own numerics: its mesh, and its rate floor."""
     run, weights = rings.usual()[0], rings.weights[CONTINUUM]
-    flow = rings.flow(run)
+    flow = rings.usual_flows[0]
     problem = flow.problem
     found = []
     for cause, changes, knobs, order in (
@@ -185,9 +193,10 @@ def mesh_errors(rings):
 
 def misfits(rings):
     """{law: mean relative L2 difference between the continuum and the rings it is calibrated on}."""
-    flows = {"nonlocal": rings.flow, "local": lambda run: ring_flow(run, LocalMuI(*rings.law)).solve()}
+    flows = {"nonlocal": rings.usual_flows, "local": [ring_flow(run, LocalMuI(*rings.law)).solve() for run in rings.usual()]}
     found = {}
-    for name, flow in flows.items():
-        each = [near_l2(run.profiles, np.asarray(flow(run).ring_average(ring_edges(run.profiles)).v_phi)) for run in rings.usual()]
+    for name, solved in flows.items():
+        pairs = zip(rings.usual(), solved, strict=True)
+        each = [near_l2(run.profiles, np.asarray(flow.ring_average(ring_edges(run.profiles)).v_phi)) for run, flow in pairs]
         found[name] = float(np.mean(each))
     return found

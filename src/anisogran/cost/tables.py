@@ -18,3 +18,12 @@ def table_text(rows):
             value = entry["value"] if isinstance(entry["value"], str) else f"{entry['value']:g}"
             lines.append(f"  {value + (' *' if entry['default'] else ''):28} {error:>9}  {1e3 * entry['seconds']:10.2f} ms")
     return "\n".join(lines[1:])
+
+
+def rounded(content):
+    """The same with four digits in each number, more than is known."""
+    if isinstance(content, dict):
+        return {name: rounded(value) for name, value in content.items()}
+    if isinstance(content, list):
+        return [rounded(value) for value in content]
+    return float(f"{content:.4g}") if isinstance(content, float) else content
